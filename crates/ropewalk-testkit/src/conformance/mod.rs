@@ -1,0 +1,190 @@
+//! The conformance suite: every row of the catalogue over every case, on any device.
+//!
+//! For each case and structure, each row is traced with and without counters, and must
+//! * give answers that the f64 oracle accepts, and status words that fit,
+//! * let no ray escape from a closed mesh,
+//! * give the same answers with counters as without,
+//! * agree with all other rows of its query, whatever their structure and walk: to the bit on exact devices,
+//! * agree with its own answers to the other queries,
+//! * count what its walk may count: see [`counters`],
+//! * on a GPU: agree with its twin on the CPU, counters included on exact devices.
+//!
+//! No walk is the reference: brute force, too, is a row like any other, and is judged by the oracle.
+//!
+//! ```
+//! use ropewalk::{DeviceKind, catalogue};
+//! use ropewalk_testkit::conformance::{Accuracy, Cpu, Suite};
+//! use ropewalk_testkit::cases::Case;
+//! let cases = Case::named("one-triangle").into_iter().collect();
+//! let rows: Vec<_> = catalogue::rows().into_iter().filter(|row| row.device == DeviceKind::Cpu).collect();
+//! let report = Suite::of(cases, Accuracy::Exact).run(&rows, &mut Cpu::default(), &mut |_, _| {});
+//! assert!(report.is_passed(), "{report}");
+//! ```
+
+mod checks;
+pub mod counters;
+mod report;
+
+pub use report::{Failure, Report, RowResult};
+
+use crate::cases::Case;
+use crate::oracle::{Expectation, Oracle};
+use checks::{Bench, Run};
+use ropewalk::catalogue::Row;
+use ropewalk::{NoMonitor, Query, Ray, Structure, StructureSpec, TraceOptions, Traced, Walk};
+
+/// What is judged: something that traces batches through a structure.
+pub trait Device {
+    /// Makes ready to trace through a structure, until the next one.
+    ///
+    /// # Errors
+    /// When the device cannot; the suite reports the text.
+    fn prepare(&mut self, structure: &Structure) -> Result<(), String>;
+
+    /// Traces through the structure that was prepared last.
+    ///
+    /// # Errors
+    /// When the device cannot; the suite reports the text.
+    fn trace(
+        &mut self,
+        walk: Walk,
+        query: Query,
+        rays: &[Ray],
+        options: TraceOptions,
+    ) -> Result<Traced, String>;
+}
+
+/// The CPU.
+#[derive(Clone, Debug, Default)]
+pub struct Cpu {
+    structure: Option<Structure>,
+}
+
+impl Device for Cpu {
+    fn prepare(&mut self, structure: &Structure) -> Result<(), String> {
+        self.structure = Some(structure.clone());
+        Ok(())
+    }
+
+    fn trace(
+        &mut self,
+        walk: Walk,
+        query: Query,
+        rays: &[Ray],
+        options: TraceOptions,
+    ) -> Result<Traced, String> {
+        let structure = self.structure.as_ref().ok_or("no structure is prepared")?;
+        structure.trace(walk, query, rays, options).map_err(|error| error.to_string())
+    }
+}
+
+/// How well a device computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Accuracy {
+    /// Every operation is rounded correctly and none is fused: the CPU, lavapipe, `SwiftShader`. Answers are the
+    /// same to the bit.
+    Exact,
+    /// A real GPU: ids are the same and `t` within 1e-5, ties and edges aside.
+    Relaxed,
+}
+
+/// The cases with what the oracle says of them. Made once, it judges any number of devices.
+#[derive(Clone, Debug)]
+pub struct Suite {
+    cases: Vec<Judged>,
+    accuracy: Accuracy,
+}
+
+/// A case with its oracle.
+#[derive(Clone, Debug)]
+struct Judged {
+    case: Case,
+    oracle: Oracle,
+    expectation: Expectation,
+}
+
+impl Suite {
+    /// All cases.
+    #[must_use]
+    pub fn new(accuracy: Accuracy) -> Self {
+        Self::of(Case::every(), accuracy)
+    }
+
+    /// Some cases.
+    #[must_use]
+    pub fn of(cases: Vec<Case>, accuracy: Accuracy) -> Self {
+        let rounding = if accuracy == Accuracy::Exact { 1.0 } else { Oracle::RELAXED };
+        let judge = |case: Case| {
+            // A scene that cannot be flattened cannot be built either, which its rows then report.
+            let oracle = Oracle::new(&case.scene.flatten().unwrap_or_default()).with_rounding(rounding);
+            Judged { expectation: oracle.expect(case.rays.clone()), oracle, case }
+        };
+        Self { cases: cases.into_iter().map(judge).collect(), accuracy }
+    }
+
+    /// The number of cases.
+    #[must_use]
+    pub fn case_count(&self) -> usize {
+        self.cases.len()
+    }
+
+    /// Judges rows on a device. `progress` hears after each case how many of how many are done.
+    pub fn run(
+        &self,
+        rows: &[Row],
+        device: &mut dyn Device,
+        progress: &mut dyn FnMut(usize, usize),
+    ) -> Report {
+        let mut report = Report::new(rows);
+        for (done, judged) in self.cases.iter().enumerate() {
+            let mut bench = Bench::new(judged, self.accuracy, rows, &mut report);
+            for structure in distinct_structures(rows) {
+                for variant in judged.case.structures(structure) {
+                    judge(&mut bench, structure, variant, device);
+                }
+            }
+            bench.finish();
+            progress(done + 1, self.cases.len());
+        }
+        report
+    }
+}
+
+fn distinct_structures(rows: &[Row]) -> Vec<StructureSpec> {
+    let mut structures: Vec<StructureSpec> = Vec::new();
+    for row in rows {
+        if !structures.contains(&row.structure) {
+            structures.push(row.structure);
+        }
+    }
+    structures
+}
+
+/// Judges all rows of one structure, built as `variant`.
+fn judge(bench: &mut Bench<'_>, of: StructureSpec, variant: StructureSpec, device: &mut dyn Device) {
+    let rows: Vec<usize> = (0..bench.rows.len()).filter(|&row| bench.rows[row].structure == of).collect();
+    let built = variant.build(&bench.judged.case.scene, &NoMonitor).map_err(|error| error.to_string());
+    let prepared = built.and_then(|structure| {
+        checks::structure(&structure, variant, &bench.judged.case)?;
+        device.prepare(&structure)?;
+        Ok(structure)
+    });
+    let structure = match prepared {
+        Ok(structure) => structure,
+        Err(why) => {
+            rows.iter().for_each(|&row| bench.fail(row, variant, why.clone()));
+            return;
+        }
+    };
+    let mut runs = Vec::new();
+    for row in rows {
+        let Row { walk, query, .. } = bench.rows[row];
+        let mut trace =
+            |counters| device.trace(walk, query, &bench.judged.case.rays, TraceOptions { counters });
+        match trace(false).and_then(|plain| Ok((plain, trace(true)?))) {
+            Ok((plain, counted)) => runs.push(Run { row, plain, counted }),
+            Err(why) => bench.fail(row, variant, why),
+        }
+    }
+    bench.judge(&structure, variant, runs);
+}

@@ -1,0 +1,213 @@
+//! A triangle that a ray hits or almost hits, and what f32 may make of it.
+
+use super::frame::{FLUSHED, RayFrame, Sheared};
+use super::{Corners, Name};
+use glam::DVec2;
+use ropewalk::Hit;
+
+/// Beyond this a f32 product may overflow.
+const OVERFLOW: f64 = 1e38;
+/// Below this a determinant has lost bits to the smallest f32, or is flushed to zero.
+const UNDERFLOW: f64 = FLUSHED * 1e4;
+
+/// A triangle that a ray hits or almost hits.
+///
+/// **The bounds.** `e` is half a unit in the last place of a f32, 2^-24 relative. A sheared coordinate
+/// `x - s * z` has five roundings and errs by at most `e * (2|x| + 4|s z|)`, with `x` and `z` measured from the
+/// ray's origin: so the bounds grow with the distance of the geometry from the origin, not with its coordinates.
+/// An edge function, a difference of two products of them, errs by what its factors err plus two roundings: the
+/// *edge bound*. A triangle is certain to be hit when all edge functions have one sign by more than their bounds,
+/// and certain to be missed when two have opposite signs by more than them. Between that lie edges, vertices and
+/// grazes, where either answer is right.
+///
+/// `t` is the distance of the triangle's plane over its slope; how far both err is worked out at `plane_error`. An
+/// interpolation of the vertices' depths would not do: of a needle it errs by a share of its length. Where the
+/// slope is lost in its error, in a graze, any value between the ray's entry into the triangle's own padded box and
+/// its exit may be reported, for the contract keeps `t` there. A ray that passes by that box misses the triangle,
+/// however the edge functions are rounded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate {
+    /// The index of the triangle in the flattened scene.
+    pub triangle: u32,
+    /// Instance, geometry, primitive.
+    pub id: (u32, u32, u32),
+    /// The first triangle of the scene with exactly the same vertices in the same order: two candidates of one
+    /// shape have the same `t` to the bit.
+    pub shape: u32,
+    /// Where the ray meets the triangle's plane, in f64; the middle of the triangle's range in a graze.
+    pub t: f64,
+    /// The weights of the second and third vertex, in f64.
+    pub barycentrics: DVec2,
+    /// Whether the front is met.
+    pub front_face: bool,
+    /// The least `t` that f32 may report.
+    pub t_low: f64,
+    /// The greatest `t` that f32 may report.
+    pub t_high: f64,
+    /// How far f32 barycentrics may lie from these; infinite in a graze.
+    pub barycentric_error: f64,
+    /// The smallest edge function in units of its bound, negative outside. Above 1 the ray passes inside.
+    pub edge_margin: f64,
+    /// The determinant in units of its bound. Above 1 the side is certain.
+    pub side_margin: f64,
+    /// How far the range of `t` lies inside the window, in units of `t`; negative when an end cuts it.
+    pub window_margin: f64,
+    /// Whether f32 may overflow, underflow or lose the ray in a parallel slab, so that nothing is certain.
+    pub out_of_range: bool,
+}
+
+impl Candidate {
+    pub(super) fn new(frame: &RayFrame, corners: &Corners, name: &Name, triangle: u32) -> Option<Self> {
+        let [a, b, c] = corners.map(|corner| frame.shear(corner));
+        let edges = [edge(frame, c, b), edge(frame, a, c), edge(frame, b, a)];
+        let inside = |(value, error): (f64, f64)| value / error;
+        let (least, most) = edges
+            .map(inside)
+            .into_iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |m, x| (m.0.min(x), m.1.max(x)));
+        if least < -1.0 && most > 1.0 {
+            return None;
+        }
+        let weights = edges.map(|edge| edge.0);
+        let errors = edges.map(|edge| edge.1);
+        let sum: f64 = weights.iter().sum();
+        let size: f64 = weights.iter().map(|weight| weight.abs()).sum();
+        let sum_error = errors.iter().sum::<f64>() * (1.0 + 2.0 * frame.unit) + 2.0 * frame.unit * size;
+        let depths = [a.z, b.z, c.z];
+        let deepest = depths.iter().fold(0.0f64, |deepest, z| deepest.max(z.abs()));
+        let rounding = 12.0 * frame.unit * deepest + FLUSHED;
+        let range = depths.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |m, &z| (m.0.min(z), m.1.max(z)));
+        let range = (range.0 - rounding, range.1 + rounding);
+
+        let sure = sum.abs() - sum_error;
+        let (mut t, mut t_error, mut barycentric_error) =
+            ((range.0 + range.1) * 0.5, f64::INFINITY, f64::INFINITY);
+        let mut barycentrics = DVec2::new(1.0 / 3.0, 1.0 / 3.0);
+        if sure > 0.0 {
+            t = (0..3).map(|i| weights[i] * depths[i]).sum::<f64>() / sum;
+            t_error = plane_error(frame, corners, t) + FLUSHED;
+            barycentrics = DVec2::new(weights[1], weights[2]) / sum;
+            let largest_error = errors[0].max(errors[1]).max(errors[2]);
+            barycentric_error = (largest_error + sum_error) / sure + 6.0 * frame.unit;
+        }
+        let low = corners[0].min(corners[1]).min(corners[2]);
+        let high = corners[0].max(corners[1]).max(corners[2]);
+        let (entry, exit) = frame.span(low, high)?;
+        let determinant = size + sum_error;
+        let underflows = determinant < UNDERFLOW;
+        let overflows = overflows(frame, &[a, b, c], determinant, deepest / frame.shear.z.abs());
+        let (mut t_low, mut t_high) = (range.0.max(t - t_error), range.1.min(t + t_error));
+        if underflows || t_error.is_infinite() {
+            (t_low, t_high) = (f64::NEG_INFINITY, f64::INFINITY);
+        }
+        // Kept within the ray's stay in the triangle's own box, whatever was computed.
+        (t_low, t_high) = (t_low.min(exit).max(entry), t_high.max(entry).min(exit));
+        if overflows {
+            (t_low, t_high) = (f64::NEG_INFINITY, f64::INFINITY);
+        }
+        let aside = (0..3).any(|axis| {
+            let origin = frame.origin[axis];
+            frame.is_parallel(axis) && !(low[axis] <= origin && origin <= high[axis])
+        });
+        let (t_min, t_max) = frame.window;
+        if t_high < t_min || t_low > t_max || t_min > t_max {
+            return None;
+        }
+        Some(Self {
+            triangle,
+            id: name.id,
+            shape: name.shape,
+            t,
+            barycentrics,
+            front_face: ((sum > 0.0) == (frame.dir[frame.axes[2]] > 0.0)) != name.mirrored,
+            t_low,
+            t_high,
+            barycentric_error,
+            edge_margin: if sum >= 0.0 { least } else { -most },
+            side_margin: sum.abs() / sum_error,
+            window_margin: (t_low - t_min).min(t_max - t_high),
+            out_of_range: underflows || overflows || aside,
+        })
+    }
+
+    /// Whether every right implementation reports the triangle.
+    #[must_use]
+    pub fn is_certain(&self) -> bool {
+        self.edge_margin > 1.0 && self.window_margin >= 0.0 && !self.out_of_range
+    }
+
+    /// What is wrong with a hit of this triangle, its id and the window aside.
+    #[must_use]
+    pub fn objection(&self, hit: &Hit) -> Option<String> {
+        let t = f64::from(hit.t);
+        if !(t >= self.t_low && t <= self.t_high) {
+            return Some(format!(
+                "t is {t:e}, but the triangle is at {:e}, in f32 between {:e} and {:e}",
+                self.t, self.t_low, self.t_high
+            ));
+        }
+        if self.side_margin > 1.0 && !self.out_of_range && hit.front_face != self.front_face {
+            return Some(format!("front_face is {}, but should be {}", hit.front_face, self.front_face));
+        }
+        let given = hit.barycentrics.as_dvec2();
+        // All of one sign: none is negative, and none is more than all together. Two roundings.
+        let in_range = given.min_element() >= 0.0 && given.element_sum() <= 1.0 + 1e-6;
+        if !(in_range || self.out_of_range) {
+            return Some(format!("the barycentrics {given} do not lie in the triangle"));
+        }
+        if !self.out_of_range && (given - self.barycentrics).abs().max_element() > self.barycentric_error {
+            return Some(format!(
+                "the barycentrics are {given}, but should be {} to {:e}",
+                self.barycentrics, self.barycentric_error
+            ));
+        }
+        None
+    }
+}
+
+/// An edge function and its bound.
+fn edge(frame: &RayFrame, p: Sheared, q: Sheared) -> (f64, f64) {
+    let products = [p.x * q.y, p.y * q.x];
+    let error = p.x.abs() * q.y_error
+        + q.y.abs() * p.x_error
+        + p.x_error * q.y_error
+        + p.y.abs() * q.x_error
+        + q.x.abs() * p.y_error
+        + p.y_error * q.x_error
+        + 2.0 * frame.unit * (products[0].abs() + products[1].abs())
+        + 4.0 * FLUSHED;
+    (products[0] - products[1], error)
+}
+
+/// How far `t` may lie off when it is computed from the plane: the distance from the origin over the slope, both
+/// along a normal that is the cross product of the two shorter edges.
+///
+/// A component of the normal errs by at most 8 roundings of the product of the edges' lengths, so the normal by 14.
+/// That turns the plane about the vertex that it is hung up at, and so counts with the distance from there to the
+/// hit alone. The two dot products add 5 roundings each of what they sum.
+fn plane_error(frame: &RayFrame, corners: &Corners, t: f64) -> f64 {
+    let edges = [corners[1] - corners[0], corners[2] - corners[1], corners[0] - corners[2]];
+    let longest = (0..3).fold(0, |best, i| if edges[i].length() > edges[best].length() { i } else { best });
+    let (first, second) = (edges[(longest + 1) % 3], edges[(longest + 2) % 3]);
+    let product = first.length() * second.length();
+    let normal = first.cross(second);
+    let normal_error = 14.0 * frame.unit * product;
+    let hit = frame.origin + frame.dir * t;
+    let turned = normal_error * corners.map(|corner| (corner - hit).length()).into_iter().fold(0.0, f64::max);
+    let reach = (corners[0] - frame.origin).length() + (frame.dir * t).length();
+    if product * reach.min(1.0) < UNDERFLOW {
+        return f64::INFINITY;
+    }
+    let summed = 5.0 * frame.unit * (normal.length() + normal_error) * reach;
+    let slope = normal.dot(frame.dir).abs()
+        - (normal_error + 5.0 * frame.unit * normal.length()) * frame.dir.length();
+    if slope <= 0.0 { f64::INFINITY } else { (turned + summed) / slope + 6.0 * frame.unit * t.abs() }
+}
+
+fn overflows(frame: &RayFrame, vertices: &[Sheared; 3], determinant: f64, depth: f64) -> bool {
+    let largest = vertices.iter().fold(0.0f64, |size, v| size.max(v.x.abs()).max(v.y.abs()));
+    largest * largest > OVERFLOW
+        || determinant * depth > OVERFLOW
+        || depth * frame.shear.z.abs() > OVERFLOW
+        || frame.shear.abs().max_element() > OVERFLOW
+}

@@ -1,0 +1,80 @@
+//! The ordered stack walk: nearer child first, leaves included, and a last look before a postponed child is
+//! entered. The blog of 2022 stops short of the last two (ALGORITHMS: C5, B5); they save another 1 to 5 percent
+//! of the visits. The twin is `walk_bvh_stack.wgsl`.
+
+use super::{BvhWalk, Visitor, test};
+use crate::PreparedRay;
+use crate::bvh::{MAX_DEPTH, Node};
+
+/// The walk.
+#[derive(Clone, Copy, Debug)]
+pub struct Ordered;
+
+/// A child that waits, and where the ray enters it.
+#[derive(Clone, Copy)]
+struct Entry {
+    node: u32,
+    entry: f32,
+}
+
+impl BvhWalk for Ordered {
+    #[inline(always)]
+    fn walk<V: Visitor>(nodes: &[Node], ray: &PreparedRay, visitor: &mut V) {
+        if nodes.is_empty() {
+            return;
+        }
+        let mut stack = [Entry { node: 0, entry: 0.0 }; MAX_DEPTH as usize];
+        let mut entries = 0;
+        let mut current = 0;
+        loop {
+            let node = &nodes[current as usize];
+            if node.is_leaf() {
+                if visitor.leaf(node.link, node.count).is_break() {
+                    return;
+                }
+            } else {
+                visitor.inner_visit();
+                let (first, second) = (current + 1, node.link);
+                let a = test(&nodes[first as usize], ray, visitor.t_max());
+                let b = test(&nodes[second as usize], ray, visitor.t_max());
+                match (a.is_hit(), b.is_hit()) {
+                    (true, true) => {
+                        // The first child at equal distance, so that the order is one for all devices.
+                        let second_is_nearer = b.entry < a.entry;
+                        let (near, far, entry) = if second_is_nearer {
+                            (second, first, a.entry)
+                        } else {
+                            (first, second, b.entry)
+                        };
+                        stack[entries] = Entry { node: far, entry };
+                        entries += 1;
+                        visitor.stack_depth(entries);
+                        current = near;
+                        continue;
+                    }
+                    (true, false) => {
+                        current = first;
+                        continue;
+                    }
+                    (false, true) => {
+                        current = second;
+                        continue;
+                    }
+                    (false, false) => {}
+                }
+            }
+            loop {
+                if entries == 0 {
+                    return;
+                }
+                entries -= 1;
+                let postponed = stack[entries];
+                // Closed: at equal t a smaller id may still win.
+                if postponed.entry <= visitor.t_max() {
+                    current = postponed.node;
+                    break;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! Errors as values: each names the thing, the limit, and the way out.
+
+use thiserror::Error;
+
+/// A transform that cannot place an object.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum TransformError {
+    /// A component is NaN or infinite.
+    #[error("the transform has a component that is NaN or infinite")]
+    NotFinite,
+    /// The map has no inverse.
+    #[error(
+        "the transform is singular: it flattens space and cannot be undone; give every axis a scale that is not 0"
+    )]
+    Singular,
+}
+
+/// A scene that cannot be made into a structure.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// An instance names an object that is not there.
+    #[error("instance {instance} places object {object}, but the scene has {objects} objects")]
+    NoSuchObject {
+        /// The instance.
+        instance: usize,
+        /// The object it names.
+        object: u32,
+        /// How many there are.
+        objects: usize,
+    },
+    /// More instances than the 24 bits of an instance index count.
+    #[error("the scene has {instances} instances; at most {limit} can be told apart: merge some objects")]
+    TooManyInstances {
+        /// How many there are.
+        instances: usize,
+        /// How many there may be.
+        limit: usize,
+    },
+    /// More triangles than a 32-bit tree holds.
+    #[error(
+        "the scene has {triangles} triangles with instances counted; one structure holds at most {limit}: split the scene"
+    )]
+    TooManyTriangles {
+        /// How many there are.
+        triangles: usize,
+        /// How many there may be.
+        limit: usize,
+    },
+}
+
+/// Why a structure was not built.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// The scene is not buildable.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// An option is outside of its range.
+    #[error("{option} is {value}; it must lie between {smallest} and {largest}")]
+    Option {
+        /// The option's name.
+        option: &'static str,
+        /// What was asked for.
+        value: usize,
+        /// The least that may be asked for.
+        smallest: usize,
+        /// The most that may be asked for.
+        largest: usize,
+    },
+    /// The caller's monitor said stop.
+    #[error("the build was cancelled")]
+    Cancelled,
+}
+
+/// A structure, walk or query that does not exist, or not in this combination. The text names the ones that do.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("{0}")]
+pub struct CatalogueError(pub String);
+
+/// Why a batch was not traced.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum TraceError {
+    /// The combination is not in the catalogue.
+    #[error(transparent)]
+    Catalogue(#[from] CatalogueError),
+}
+
+/// A structure that breaks its own rules: what validation found.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("node {node}: {what}")]
+pub struct ValidationError {
+    /// The node.
+    pub node: usize,
+    /// The rule that it breaks.
+    pub what: String,
+}

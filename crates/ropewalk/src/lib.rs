@@ -1,0 +1,55 @@
+//! Ray queries on the CPU: acceleration structures, ways to walk them, and one contract for what a hit is.
+//!
+//! ```
+//! use ropewalk::{BuildOptions, Mesh, Ray, Scene, glam::Vec3};
+//! let mesh = Mesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]);
+//! let bvh = Scene::from_mesh(mesh).build(&BuildOptions::default())?;
+//! let hit = bvh.closest(&Ray::new(Vec3::new(0.2, 0.3, 5.0), -Vec3::Z));
+//! assert_eq!((hit.t, hit.primitive_index), (5.0, 0));
+//! # Ok::<(), ropewalk::BuildError>(())
+//! ```
+//!
+//! The vocabulary stands in small modules: [`Ray`], [`Hit`], [`Aabb`], [`Sphere`], [`Triangle`],
+//! [`Transform`], [`Mesh`], [`Scene`]. Each structure has a folder with its nodes, builders and walks: [`bvh`].
+//! [`catalogue`] is the one table of what can be traced.
+//!
+//! **Features.** `parallel` (default) builds and traces batches on rayon, in whichever pool the caller
+//! installs. Without it the crate starts no thread.
+
+#![forbid(unsafe_code)]
+
+pub mod aabb;
+pub mod batch;
+pub mod bvh;
+pub mod catalogue;
+mod error;
+mod hit;
+mod mesh;
+mod monitor;
+mod parallel;
+mod probe;
+mod query;
+pub mod ray;
+mod scene;
+mod sphere;
+mod status;
+mod transform;
+pub mod triangle;
+
+pub use aabb::Aabb;
+pub use batch::{Answer, HitLists, TraceOptions, Traced};
+pub use bvh::{BuildOptions, BuildReport, Bvh};
+pub use catalogue::{DeviceKind, Structure, StructureSpec, Walk};
+pub use error::{BuildError, CatalogueError, SceneError, TraceError, TransformError, ValidationError};
+pub use glam;
+pub use hit::Hit;
+pub use mesh::Mesh;
+pub use monitor::{Monitor, NoMonitor};
+pub use probe::{CounterTotals, Counters, NoProbe, Probe};
+pub use query::Query;
+pub use ray::{LARGEST_DIRECTION, PreparedRay, Ray, SMALLEST_DIRECTION};
+pub use scene::{FlatScene, InputReport, Instance, Object, Scene};
+pub use sphere::Sphere;
+pub use status::Status;
+pub use transform::Transform;
+pub use triangle::{FlatTriangle, Triangle};

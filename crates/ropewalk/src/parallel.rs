@@ -1,0 +1,46 @@
+//! The one place that knows whether there are threads.
+
+/// Runs both and waits for both; side by side where there are threads.
+#[cfg(feature = "parallel")]
+pub(crate) fn join<A: Send, B: Send>(
+    first: impl FnOnce() -> A + Send,
+    second: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    rayon::join(first, second)
+}
+
+/// Runs one after the other.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn join<A, B>(first: impl FnOnce() -> A, second: impl FnOnce() -> B) -> (A, B) {
+    (first(), second())
+}
+
+/// Fills `output` in chunks of at most `chunk` elements; `fill` gets the index of its chunk's first element.
+#[cfg(feature = "parallel")]
+pub(crate) fn fill_chunks<T: Send>(output: &mut [T], chunk: usize, fill: impl Fn(usize, &mut [T]) + Sync) {
+    use rayon::prelude::*;
+    output.par_chunks_mut(chunk).enumerate().for_each(|(index, part)| fill(index * chunk, part));
+}
+
+/// Fills `output` in chunks of at most `chunk` elements; `fill` gets the index of its chunk's first element.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn fill_chunks<T>(output: &mut [T], chunk: usize, fill: impl Fn(usize, &mut [T])) {
+    output.chunks_mut(chunk).enumerate().for_each(|(index, part)| fill(index * chunk, part));
+}
+
+/// Makes a value of each chunk of at most `chunk` elements, in order.
+#[cfg(feature = "parallel")]
+pub(crate) fn map_chunks<T: Sync, R: Send>(
+    input: &[T],
+    chunk: usize,
+    map: impl Fn(usize, &[T]) -> R + Sync,
+) -> Vec<R> {
+    use rayon::prelude::*;
+    input.par_chunks(chunk).enumerate().map(|(index, part)| map(index * chunk, part)).collect()
+}
+
+/// Makes a value of each chunk of at most `chunk` elements, in order.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn map_chunks<T, R>(input: &[T], chunk: usize, map: impl Fn(usize, &[T]) -> R) -> Vec<R> {
+    input.chunks(chunk).enumerate().map(|(index, part)| map(index * chunk, part)).collect()
+}
