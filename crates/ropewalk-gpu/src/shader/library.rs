@@ -1,0 +1,68 @@
+//! The WGSL files that the program carries, by name.
+
+use super::assembly::{AssemblyError, Definitions, assemble};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// The one list of files. A test compares it with the folder.
+macro_rules! shipped {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("../../shaders/", $name, ".wgsl")))),*]
+    };
+}
+
+const SHIPPED: &[(&str, &str)] = shipped![
+    "shared/float",
+    "shared/status",
+    "shared/ray",
+    "shared/aabb",
+    "shared/hit",
+    "shared/triangle",
+    "shared/probe",
+    "shared/collect",
+    "shared/bvh",
+    "shared/leaf",
+    "walk/walk_bvh_stack",
+    "walk/walk_bvh_postponed",
+    "kernel/batch",
+];
+
+/// WGSL files by name: a path without its `.wgsl`, such as `shared/ray`.
+#[derive(Clone, Debug)]
+pub struct ShaderLibrary {
+    files: BTreeMap<Cow<'static, str>, Cow<'static, str>>,
+}
+
+impl ShaderLibrary {
+    /// The files of this crate.
+    #[must_use]
+    pub fn shipped() -> Self {
+        Self { files: SHIPPED.iter().map(|&(name, text)| (name.into(), text.into())).collect() }
+    }
+
+    /// The same library with one more file, or another text for one it has.
+    #[must_use]
+    pub fn with(mut self, name: impl Into<Cow<'static, str>>, text: impl Into<Cow<'static, str>>) -> Self {
+        self.files.insert(name.into(), text.into());
+        self
+    }
+
+    /// The names, sorted.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.files.keys().map(AsRef::as_ref)
+    }
+
+    /// The text of a file, as it was written.
+    #[must_use]
+    pub fn text(&self, name: &str) -> Option<&str> {
+        self.files.get(name).map(AsRef::as_ref)
+    }
+
+    /// The text of a file with all that it imports, its conditions decided and its constants filled in.
+    ///
+    /// # Errors
+    /// Names the file and the line of what is wrong.
+    pub fn assemble(&self, root: &str, definitions: &Definitions) -> Result<String, AssemblyError> {
+        assemble(&|name| self.text(name), root, definitions)
+    }
+}

@@ -1,0 +1,235 @@
+//! What does not work is said, with the limit, the need and the way out; nothing panics and nothing is cut off.
+
+use crate::machine::on_every_adapter;
+use crate::scenes;
+use ropewalk::{
+    BuildOptions, CatalogueError, Mesh, Query, Ray, Scene, Status, Structure, TraceOptions, Walk, glam::Vec3,
+};
+use ropewalk_gpu::{Device, DeviceChoice, Gpu, GpuError, Tracer, adapters, wgpu};
+
+fn structure() -> Structure {
+    Structure::Bvh(Scene::from_mesh(scenes::sphere(20)).build(&BuildOptions::default()).unwrap())
+}
+
+fn rays() -> Vec<Ray> {
+    (0..500).map(|i| Ray::new(Vec3::new(-2.0, 0.001 * i as f32, 0.3), Vec3::X)).collect()
+}
+
+/// A device whose limits were lowered, as a caller might bring one.
+fn small_device(lower: impl Fn(&mut wgpu::Limits)) -> Option<Result<Gpu, GpuError>> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let adapter =
+        pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all())).into_iter().next()?;
+    let mut limits = Gpu::required_limits(&adapter.limits());
+    lower(&mut limits);
+    let request = adapter.request_device(&wgpu::DeviceDescriptor {
+        required_limits: limits,
+        ..wgpu::DeviceDescriptor::default()
+    });
+    let (device, queue) = pollster::block_on(request).expect("lower limits are always granted");
+    Some(Gpu::from_device(device, queue, adapter.get_info()))
+}
+
+#[test]
+fn an_adapter_that_is_not_there_is_named_with_those_that_are() {
+    on_every_adapter(|machine| {
+        let error = Gpu::open(4711).unwrap_err();
+        assert!(matches!(&error, GpuError::NoSuchAdapter { there, .. } if there.len() == adapters().len()));
+        let text = error.to_string();
+        assert!(text.contains("4711") && text.contains(&machine.gpu().info().name), "{text}");
+        for choice in ["gpu:4711", "gpu:no such card"] {
+            let error = Device::open(&choice.parse().unwrap()).unwrap_err().to_string();
+            assert!(error.contains(&machine.gpu().info().name), "{error}");
+        }
+    });
+}
+
+#[test]
+fn a_structure_over_a_limit_is_refused_with_the_numbers() {
+    let structure = structure();
+    let Structure::Bvh(bvh) = &structure else { return };
+    let node_bytes = size_of_val(bvh.nodes()) as u64;
+    let triangle_bytes = size_of_val(bvh.triangles()) as u64;
+    assert!(node_bytes < triangle_bytes);
+    on_every_adapter(|_| {
+        // The nodes fit, the triangles do not. A binding's size is a multiple of 4.
+        let between = (node_bytes + triangle_bytes) / 2 / 4 * 4;
+        let Some(gpu) = small_device(|limits| limits.max_storage_buffer_binding_size = between) else {
+            return;
+        };
+        let error = Tracer::new(gpu.unwrap()).upload(&structure).unwrap_err();
+        let GpuError::TooLarge { what, needed, limit, limit_name, .. } = &error else { panic!("{error:?}") };
+        assert_eq!((*what, *needed, *limit), ("triangles of the structure", triangle_bytes, between));
+        assert_eq!(*limit_name, "max_storage_buffer_binding_size");
+        let text = error.to_string();
+        assert!(text.contains(&triangle_bytes.to_string()) && text.contains(&between.to_string()), "{text}");
+        assert!(text.contains("CPU") && text.contains("max-leaf"), "{text}");
+
+        let Some(gpu) = small_device(|limits| {
+            limits.max_buffer_size = node_bytes - 4;
+            limits.max_storage_buffer_binding_size = node_bytes - 4;
+        }) else {
+            return;
+        };
+        let error = Tracer::new(gpu.unwrap()).upload(&structure).unwrap_err();
+        assert!(matches!(error, GpuError::TooLarge { what: "nodes of the structure", .. }), "{error:?}");
+    });
+}
+
+/// Limits that a batch must keep to are kept to by smaller tiles.
+#[test]
+fn a_batch_fits_any_device() {
+    let (structure, rays) = (structure(), rays());
+    let cpu = structure.trace(Walk::default(), Query::Closest, &rays, TraceOptions::default()).unwrap();
+    on_every_adapter(|machine| {
+        let bytes = structure.report().bytes as u64;
+        let lowered: [fn(&mut wgpu::Limits, u64); 2] = [
+            |limits, _| limits.max_compute_workgroups_per_dimension = 2,
+            |limits, bytes| {
+                limits.max_storage_buffer_binding_size = bytes;
+                limits.max_buffer_size = bytes;
+            },
+        ];
+        for lower in lowered {
+            let Some(gpu) = small_device(|limits| lower(limits, bytes)) else { return };
+            let tracer = Tracer::new(gpu.unwrap());
+            let uploaded = tracer.upload(&structure).unwrap();
+            let many: Vec<Ray> = rays.iter().copied().cycle().take(20_000).collect();
+            let gpu = tracer
+                .trace(&uploaded, Walk::default(), Query::Closest, &many, TraceOptions::default())
+                .unwrap();
+            assert_eq!(gpu.device_time, None, "the device was asked for without timestamps");
+            assert_eq!(gpu.traced.answer.rays_that_hit(), cpu.answer.rays_that_hit() * 40);
+        }
+        // The shared device still works: nothing was done to it.
+        machine.trusted.upload(&structure).unwrap();
+    });
+}
+
+#[test]
+fn a_device_that_is_too_small_is_refused() {
+    on_every_adapter(|_| {
+        let Some(gpu) = small_device(|limits| limits.max_storage_buffers_per_shader_stage = 3) else {
+            return;
+        };
+        let error = gpu.unwrap_err();
+        assert!(matches!(error, GpuError::LimitTooLow { needed: 4, there: 3, .. }), "{error:?}");
+        assert!(error.to_string().contains("max_storage_buffers_per_shader_stage"), "{error}");
+    });
+}
+
+#[test]
+fn a_structure_of_another_device_is_refused() {
+    on_every_adapter(|machine| {
+        let Some(gpu) = small_device(|_| {}) else { return };
+        let foreign = Tracer::new(gpu.unwrap()).upload(&structure()).unwrap();
+        let answer = machine.trusted.trace(
+            &foreign,
+            Walk::default(),
+            Query::Closest,
+            &rays(),
+            TraceOptions::default(),
+        );
+        assert_eq!(answer, Err(GpuError::OtherDevice));
+    });
+}
+
+#[test]
+fn what_is_not_in_the_catalogue_is_refused() {
+    on_every_adapter(|machine| {
+        let uploaded = machine.trusted.upload(&structure()).unwrap();
+        for (walk, query) in [
+            (Walk::BruteForce, Query::Closest),
+            (Walk::Recursive, Query::Any),
+            (Walk::default(), Query::All),
+            (Walk::default(), Query::Count),
+        ] {
+            let answer = machine.trusted.trace(&uploaded, walk, query, &rays(), TraceOptions::default());
+            let Err(GpuError::Catalogue(CatalogueError(text))) = answer else { panic!("{answer:?}") };
+            assert!(text.contains("gpu"), "{text}");
+        }
+    });
+}
+
+#[test]
+fn a_step_budget_that_is_used_up_is_reported() {
+    let (structure, rays) = (structure(), rays());
+    on_every_adapter(|machine| {
+        let tracer = machine.tracer(|options| options.step_budget = Some(3));
+        let uploaded = tracer.upload(&structure).unwrap();
+        for walk in Walk::EVERY.into_iter().filter(|walk| matches!(walk, Walk::Stack(_))) {
+            for query in [Query::Closest, Query::Any] {
+                let traced =
+                    tracer.trace(&uploaded, walk, query, &rays, TraceOptions { counters: true }).unwrap();
+                let stopped = traced.traced.count_status(Status::STEP_BUDGET);
+                assert!(stopped > rays.len() / 2, "{walk} {query}: {stopped}");
+                for (status, counters) in traced.traced.status.iter().zip(traced.traced.counters.unwrap()) {
+                    assert!(*status == Status::COMPLETE || *status == Status::STEP_BUDGET);
+                    assert!(counters.inner_visits <= 3, "{walk} {query}: {counters:?}");
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn a_stack_that_is_full_is_reported() {
+    let (structure, rays) = (structure(), rays());
+    on_every_adapter(|machine| {
+        let tracer = machine.tracer(|options| options.stack_entries = Some(1));
+        let uploaded = tracer.upload(&structure).unwrap();
+        for walk in Walk::EVERY.into_iter().filter(|walk| matches!(walk, Walk::Stack(_))) {
+            let options = TraceOptions { counters: true };
+            let traced = tracer.trace(&uploaded, walk, Query::Closest, &rays, options).unwrap().traced;
+            let full = traced.count_status(Status::STACK_OVERFLOW);
+            assert!(full > 0, "{walk}");
+            assert!(traced.counters.unwrap().iter().all(|counters| counters.stack_depth <= 1));
+        }
+    });
+}
+
+/// A device that is destroyed gives errors from then on, no panic and no wrong answer. Of a device that was opened
+/// here the loss is known; of a caller's own, wgpu tells what it refuses.
+#[test]
+fn a_lost_device_is_an_error() {
+    let (structure, rays) = (structure(), rays());
+    on_every_adapter(|_| {
+        let Some(brought) = small_device(|_| {}) else { return };
+        for (gpu, ours) in [(brought.unwrap(), false), (Gpu::open(0).unwrap(), true)] {
+            let tracer = Tracer::new(gpu);
+            let uploaded = tracer.upload(&structure).unwrap();
+            let trace = |walk| tracer.trace(&uploaded, walk, Query::Closest, &rays, TraceOptions::default());
+            trace(Walk::default()).unwrap();
+            tracer.gpu().device().destroy();
+            let known = trace(Walk::default()).unwrap_err();
+            let new = trace("stack:order=culled".parse().unwrap()).unwrap_err();
+            let upload = tracer.upload(&structure).unwrap_err();
+            for error in [known, new, upload] {
+                let lost = matches!(error, GpuError::DeviceLost(_));
+                assert!(lost || !ours && matches!(error, GpuError::Refused { .. }), "{error:?}");
+            }
+        }
+    });
+}
+
+/// The best-known text of a missing driver has the way out.
+#[test]
+fn errors_name_the_way_out() {
+    assert!(GpuError::NoAdapter.to_string().contains("lavapipe"));
+    let error = "vulkan".parse::<DeviceChoice>().unwrap_err().to_string();
+    assert!(error.contains("gpu:NUMBER"), "{error}");
+}
+
+/// A mesh of one triangle that no ray can hit is an empty structure, which every device accepts.
+#[test]
+fn a_structure_of_nothing_is_accepted() {
+    let nothing = Mesh::new(vec![Vec3::ZERO; 3], vec![[0, 1, 2]]);
+    let structure = Structure::Bvh(Scene::from_mesh(nothing).build(&BuildOptions::default()).unwrap());
+    on_every_adapter(|machine| {
+        let uploaded = machine.trusted.upload(&structure).unwrap();
+        assert!(uploaded.bytes() > 0);
+        let traced =
+            machine.trusted.trace(&uploaded, Walk::default(), Query::Any, &rays(), TraceOptions::default());
+        assert_eq!(traced.unwrap().traced.answer.rays_that_hit(), 0);
+    });
+}

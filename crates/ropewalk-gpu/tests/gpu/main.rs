@@ -1,0 +1,14 @@
+//! Tests that run on every adapter of the machine. They are one program, so that each adapter is opened once and
+//! each kernel is compiled once.
+//!
+//! Without an adapter they fail where the environment has `CI`, and say elsewhere that they were skipped.
+
+mod broken;
+mod compare;
+mod conformance;
+mod errors;
+mod machine;
+mod rays;
+mod scenes;
+mod surface;
+mod twins;
