@@ -1,0 +1,9 @@
+//! The commands: a file each, with its arguments, its examples and what it prints.
+
+pub(crate) mod bench;
+pub(crate) mod info;
+pub(crate) mod list;
+pub(crate) mod render;
+pub(crate) mod trace;
+pub(crate) mod verify;
+pub(crate) mod welcome;

@@ -1,0 +1,64 @@
+//! `bench` and `verify`: what they say, not how fast it is.
+
+mod support;
+
+use support::{has_adapter, run};
+
+#[test]
+fn a_bench_record_says_where_it_was_made_and_what_was_measured() {
+    let mut line =
+        "bench builtin:cubes --rays 200 --rounds 2 --walk all --threads 1 --threads 2 --json --device cpu"
+            .to_owned();
+    let adapter = has_adapter();
+    if adapter {
+        line.push_str(" --device gpu");
+    }
+    let document = run(&line).success().json();
+    let machine = &document["machine"];
+    assert!(!machine["cpu"].as_str().unwrap().is_empty() && machine["threads"].as_u64().unwrap() > 0);
+    assert_eq!(machine["date"].as_str().unwrap().len(), 10);
+    let scene = &document["scenes"][0];
+    assert_eq!((&scene["triangles"], &scene["rounds"]), (&222.into(), &2.into()));
+    assert_eq!(scene["builds"].as_array().unwrap().len(), 2);
+    let classes: Vec<&str> =
+        scene["classes"].as_array().unwrap().iter().map(|class| class["class"].as_str().unwrap()).collect();
+    assert_eq!(classes, ["primary", "shadow", "ambient-occlusion", "diffuse", "diffuse-shuffled", "random"]);
+    let lanes = scene["lanes"].as_array().unwrap();
+    assert_eq!(lanes.len(), 5 * 2 + if adapter { 4 } else { 0 });
+    for lane in lanes {
+        assert_eq!(lane["agreement"]["failed"].as_array().unwrap().len(), 0, "{lane}");
+        assert_eq!(lane["agreement"]["rays"], 6 * 200);
+        for rate in lane["rates"].as_array().unwrap() {
+            let spread = &rate["mrays_per_second"];
+            let [min, median, max] = ["min", "median", "max"].map(|key| spread[key].as_f64().unwrap());
+            assert!(0.0 < min && min <= median && median <= max, "{rate}");
+            assert!(rate["work"]["inner_visits"].as_f64().unwrap() > 0.0, "{rate}");
+        }
+    }
+    let text = run("bench builtin:cubes --rays 100 --rounds 1 --device cpu").success().out;
+    assert!(text.contains("222 triangles") && text.contains("diffuse-shuffled"), "{text}");
+}
+
+#[test]
+fn a_bench_of_what_cannot_be_traced_is_an_error() {
+    run("bench builtin:cubes --walk recursive --device gpu:0 --rays 10")
+        .code
+        .filter(|&code| code != 0)
+        .unwrap();
+    let folder = support::Folder::new();
+    let scene = folder.write("empty.obj", "v 0 0 0\n");
+    let outcome = run(&format!("bench {scene} --rays 10 --rounds 1 --json"));
+    assert_eq!((outcome.code, outcome.out.as_str()), (Some(1), ""), "{outcome:?}");
+    assert!(outcome.err.contains("empty.obj") && outcome.err.contains("nothing to measure"), "{outcome:?}");
+}
+
+#[test]
+fn every_row_of_this_machine_conforms() {
+    let adapter = has_adapter();
+    let document = run("verify --json").success().json();
+    assert_eq!(document["passed"], true);
+    let devices = document["devices"].as_array().unwrap();
+    assert!(devices.len() > usize::from(adapter));
+    let rows: usize = devices.iter().map(|device| device["rows"].as_array().unwrap().len()).sum();
+    assert!(rows >= ropewalk::catalogue::rows().len() || !adapter);
+}
