@@ -4,14 +4,17 @@
 //!
 //! Both run in one process on one thread, turn by turn in every round; what counts is the median of the rounds'
 //! ratios. The hits are compared before anything is timed: obvhs renounces watertightness and ids at ties, so what
-//! must agree is whether a ray hits and where, within 1e-4; how many rays do not is printed.
+//! must agree is whether a ray hits and where, within 1e-4; how many rays do not is printed. Each class has a second
+//! row in which our walk goes over a copy of the peer's tree: what is left of the ratio is the walks' own.
 
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::ray::RayHit;
 use obvhs::rt_triangle::RtTriangle;
 use obvhs::{BvhBuildParams, triangle};
-use ropewalk::{BuildOptions, Bvh, FlatScene, Hit, Query, Ray};
+use ropewalk::bvh::Node;
+use ropewalk::glam::Vec3;
+use ropewalk::{Aabb, BuildOptions, Bvh, FlatScene, FlatTriangle, Hit, Query, Ray, TraceOptions, Walk};
 use ropewalk_lab::{Machine, Spread};
 use ropewalk_testkit::rays::{RayClass, RayMaker};
 use std::error::Error;
@@ -51,30 +54,71 @@ fn side_by_side(name: &str, scene: &ropewalk::Scene) -> Result<(), Box<dyn Error
     let (bvh, peer) = builds(scene, &triangles)?;
     let ordered: Vec<RtTriangle> =
         peer.primitive_indices.iter().map(|&index| RtTriangle::from(&triangles[index as usize])).collect();
+    let transplanted = transplant(&peer, &flat)?;
     for class in RayClass::MEASURED {
         let rays = rays(&flat, &bvh, class);
-        match class.query() {
-            Query::Any => {
-                let ours = |ray: &Ray| bvh.any(ray);
-                let theirs =
-                    |ray: &Ray| !peer.ray_traverse_miss(peer_ray(ray), |ray, at| ordered[at].intersect(ray));
-                let differ = rays.iter().filter(|ray| ours(ray) != theirs(ray)).count();
-                row(class, &rays, differ, &|ray| u32::from(ours(ray)), &|ray| u32::from(theirs(ray)));
+        for (label, tree) in [(class.name(), &bvh), ("  over its tree", &transplanted)] {
+            match class.query() {
+                Query::Any => {
+                    let ours = |ray: &Ray| tree.any(ray);
+                    let theirs = |ray: &Ray| {
+                        !peer.ray_traverse_miss(peer_ray(ray), |ray, at| ordered[at].intersect(ray))
+                    };
+                    let differ = rays.iter().filter(|ray| ours(ray) != theirs(ray)).count();
+                    row(label, &rays, differ, &|ray| u32::from(ours(ray)), &|ray| u32::from(theirs(ray)));
+                }
+                _ => {
+                    let theirs = |ray: &Ray| {
+                        let mut hit = RayHit::none();
+                        peer.ray_traverse(peer_ray(ray), &mut hit, |ray, at| ordered[at].intersect(ray));
+                        hit
+                    };
+                    let differ = rays.iter().filter(|ray| differs(&tree.closest(ray), &theirs(ray))).count();
+                    row(label, &rays, differ, &|ray| tree.closest(ray).primitive_index, &|ray| {
+                        theirs(ray).primitive_id
+                    });
+                }
             }
-            _ => {
-                let theirs = |ray: &Ray| {
-                    let mut hit = RayHit::none();
-                    peer.ray_traverse(peer_ray(ray), &mut hit, |ray, at| ordered[at].intersect(ray));
-                    hit
-                };
-                let differ = rays.iter().filter(|ray| differs(&bvh.closest(ray), &theirs(ray))).count();
-                row(class, &rays, differ, &|ray| bvh.closest(ray).primitive_index, &|ray| {
-                    theirs(ray).primitive_id
-                });
-            }
+            let options = TraceOptions { counters: true };
+            let totals =
+                tree.trace(Walk::default(), class.query(), &rays, options)?.totals().unwrap_or_default();
+            println!("    {:.1} inner visits a ray", totals.inner_visits as f64 / rays.len() as f64);
         }
     }
     Ok(())
+}
+
+/// The peer's tree in our nodes, so that the walks can be compared without the trees. The boxes are made anew from
+/// the triangles: the peer's own do not always lie in their parents'.
+fn transplant(peer: &Bvh2, flat: &FlatScene) -> Result<Bvh, Box<dyn Error + Send + Sync>> {
+    fn copy(peer: &Bvh2, from: usize, flat: &FlatScene, to: &mut (Vec<Node>, Vec<FlatTriangle>)) -> Aabb {
+        let node = &peer.nodes[from];
+        let (first, count) = (node.first_index as usize, node.prim_count as usize);
+        let place = to.0.len();
+        let nothing = Aabb::new(Vec3::ZERO, Vec3::ZERO);
+        to.0.push(Node::inner(&nothing, 0));
+        if node.is_leaf() {
+            let triangles = peer.primitive_indices[first..first + count]
+                .iter()
+                .map(|&index| flat.triangles[index as usize]);
+            let start = to.1.len();
+            to.1.extend(triangles);
+            let bounds = to.1[start..]
+                .iter()
+                .map(|triangle| triangle.triangle().bounds())
+                .fold(Aabb::EMPTY, Aabb::union);
+            to.0[place] = Node::leaf(&bounds, start as u32, count as u32);
+            return bounds;
+        }
+        let near = copy(peer, first, flat, to);
+        let second = to.0.len() as u32;
+        let bounds = near.union(copy(peer, first + 1, flat, to));
+        to.0[place] = Node::inner(&bounds, second);
+        bounds
+    }
+    let mut parts = (Vec::new(), Vec::new());
+    copy(peer, 0, flat, &mut parts);
+    Ok(Bvh::from_parts(parts.0, parts.1)?)
 }
 
 /// Builds both, turn by turn, and prints the times of the builders alone.
@@ -110,13 +154,7 @@ fn rays(flat: &FlatScene, bvh: &Bvh, class: RayClass) -> Vec<Ray> {
     RayMaker::new(flat, 1).make(class, RAYS, &closest)
 }
 
-fn row(
-    class: RayClass,
-    rays: &[Ray],
-    differ: usize,
-    ours: &dyn Fn(&Ray) -> u32,
-    theirs: &dyn Fn(&Ray) -> u32,
-) {
+fn row(label: &str, rays: &[Ray], differ: usize, ours: &dyn Fn(&Ray) -> u32, theirs: &dyn Fn(&Ray) -> u32) {
     let time = |trace: &dyn Fn(&Ray) -> u32| {
         let start = Instant::now();
         black_box(rays.iter().fold(0u32, |sum, ray| sum.wrapping_add(trace(ray))));
@@ -128,8 +166,7 @@ fn row(
     let theirs = median(&rounds.iter().map(|round| rate(round.1)).collect::<Vec<_>>());
     let ratio = median(&rounds.iter().map(|round| round.0 / round.1).collect::<Vec<_>>());
     println!(
-        "  {:18} {ours:8.2} Mrays/s    obvhs {theirs:8.2} Mrays/s    time ratio {ratio:.2}    {differ} of {} differ",
-        class.name(),
+        "  {label:18} {ours:8.2} Mrays/s    obvhs {theirs:8.2} Mrays/s    time ratio {ratio:.2}    {differ} of {} differ",
         rays.len()
     );
 }
@@ -143,7 +180,7 @@ fn differs(ours: &Hit, theirs: &RayHit) -> bool {
     ours.is_hit() != they_hit || (they_hit && (ours.t - theirs.t).abs() > 1e-4 * ours.t)
 }
 
-fn peer_triangle(flat: &ropewalk::FlatTriangle) -> triangle::Triangle {
+fn peer_triangle(flat: &FlatTriangle) -> triangle::Triangle {
     triangle::Triangle { v0: flat.v0.into(), v1: flat.v1.into(), v2: flat.v2.into() }
 }
 

@@ -212,8 +212,7 @@ impl Bin {
     const EMPTY: Self = Self { bounds: Extent::EMPTY, count: 0 };
 }
 
-/// The bins of the three axes. Several nodes use one after the other; each clears only as many as it needs,
-/// because clearing all of their 4.6 kB took longer than most nodes' own work.
+/// The bins of the three axes, 4.6 kB. Several nodes use them one after the other; each clears as many as it needs.
 struct Bins([[Bin; BuildOptions::MAX_BINS]; 3]);
 
 impl Default for Bins {
