@@ -1,6 +1,6 @@
 //! The command line, as clap reads it. The arguments of a command stand with the command.
 
-use crate::commands::{bench, info, list, render, trace, verify};
+use crate::commands::{bench, info, lab, list, points, render, trace, verify};
 use clap::{Parser, Subcommand};
 
 /// Ray queries and rendering on the CPU and on any GPU, without ray tracing hardware.
@@ -18,6 +18,8 @@ pub(crate) enum Command {
     Render(render::Arguments),
     /// Trace rays from an .npy file and write the hits to an .npz file
     Trace(trace::Arguments),
+    /// Find what is closest to the points of an .npy file, or on which side of a surface they lie
+    Points(points::Arguments),
     /// Show what a scene holds, what is wrong with it, and what its structure costs
     Info(info::Arguments),
     /// List every structure, walk, query and device that exists, and this machine's adapters
@@ -26,6 +28,8 @@ pub(crate) enum Command {
     Verify(verify::Arguments),
     /// Measure build times and rays per second
     Bench(bench::Arguments),
+    /// Repeat an experiment of the papers on any scene
+    Lab(lab::Arguments),
 }
 
 const EXAMPLES: &str = "\

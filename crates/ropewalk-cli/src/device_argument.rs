@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::output::note;
-use ropewalk::{DeviceKind, Query, Structure, Walk, catalogue};
+use ropewalk::{CatalogueError, DeviceKind, Query, Structure, StructureKind, Walk, catalogue};
 use ropewalk_gpu::{Device, DeviceChoice, GpuError, Traceable};
 use std::sync::Arc;
 
@@ -23,8 +23,22 @@ Where to trace.
 /// Opens the device that is meant and checks that it can answer the queries.
 ///
 /// `auto` takes the CPU for what no graphics card answers.
-pub(crate) fn open(choice: &DeviceChoice, walk: Walk, queries: &[Query]) -> Result<Device, Failure> {
-    let check = |kind| queries.iter().try_for_each(|&query| catalogue::check(walk, query, kind));
+pub(crate) fn open(
+    choice: &DeviceChoice,
+    structure: StructureKind,
+    walk: Walk,
+    queries: &[Query],
+) -> Result<Device, Failure> {
+    open_checked(choice, |device| {
+        queries.iter().try_for_each(|&query| catalogue::check(structure, walk, query, device))
+    })
+}
+
+/// The same for whatever a check allows on a kind of device.
+pub(crate) fn open_checked(
+    choice: &DeviceChoice,
+    check: impl Fn(DeviceKind) -> Result<(), CatalogueError>,
+) -> Result<Device, Failure> {
     // Before a driver is started for nothing.
     match choice {
         DeviceChoice::Auto => {
@@ -42,6 +56,23 @@ pub(crate) fn open(choice: &DeviceChoice, walk: Walk, queries: &[Query]) -> Resu
         note(&text);
     }
     Ok(opened.device)
+}
+
+/// Opens each device once, for measurements.
+pub(crate) fn open_each(choices: &[DeviceChoice]) -> Result<Vec<Device>, Failure> {
+    let mut devices: Vec<Device> = Vec::new();
+    for choice in choices {
+        let opened = Device::open(choice)?;
+        // `auto` is the CPU where there is no graphics card, and it is measured once.
+        if devices.iter().any(|device| device.to_string() == opened.device.to_string()) {
+            continue;
+        }
+        if let Some(text) = opened.note {
+            note(&text);
+        }
+        devices.push(opened.device);
+    }
+    Ok(devices)
 }
 
 /// Puts a structure on the device that was opened. What does not fit the card that `auto` took is traced on the CPU.

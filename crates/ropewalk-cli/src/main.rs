@@ -1,4 +1,4 @@
-//! The program `ropewalk`: render a scene, trace rays as data, look into files, verify and measure.
+//! The program `ropewalk`: render a scene, trace rays and find points as data, look into files, verify and measure.
 //!
 //! Results go to standard output or to the file that is named, notes and progress to standard error. The exit
 //! code is 0 when done, 1 when something failed, 2 when the question was wrong. What went wrong is one line on
@@ -8,8 +8,9 @@
 //! |---|---|
 //! | [`cli`] | the command line, as clap reads it |
 //! | [`commands`] | a file a command |
-//! | [`arrays`] | rays and hits in numpy's file formats |
+//! | [`arrays`] | rays, points and answers in numpy's file formats |
 //! | `*_argument` | what a word on the command line means |
+//! | [`families`] | the catalogue in short |
 //! | [`output`], [`progress`], [`table`] | what people and scripts get to see |
 //! | [`failure`], [`mod@panic`], [`interrupt`] | how it ends when it ends early |
 
@@ -20,6 +21,7 @@ mod cli;
 mod commands;
 mod device_argument;
 mod failure;
+mod families;
 mod interrupt;
 mod light_argument;
 mod output;
@@ -63,9 +65,11 @@ fn run() -> Result<(), Failure> {
         None => commands::welcome::run(),
         Some(Command::Render(arguments)) => commands::render::run(&arguments),
         Some(Command::Trace(arguments)) => commands::trace::run(&arguments),
+        Some(Command::Points(arguments)) => commands::points::run(&arguments),
         Some(Command::Info(arguments)) => commands::info::run(&arguments),
         Some(Command::List(arguments)) => commands::list::run(&arguments),
         Some(Command::Verify(arguments)) => commands::verify::run(&arguments),
         Some(Command::Bench(arguments)) => commands::bench::run(&arguments),
+        Some(Command::Lab(arguments)) => commands::lab::run(&arguments),
     }
 }

@@ -1,8 +1,11 @@
-//! The README tells what is: its table is the catalogue, and its example compiles and holds.
+//! The README tells what is: its tables are those of `ropewalk list`, and its example compiles and holds.
 
-use ropewalk::catalogue::{Row, rows};
-use ropewalk::{DeviceKind, Query};
+mod support;
+
+use ropewalk::catalogue::rows;
+use serde_json::Value;
 use std::path::PathBuf;
+use support::run;
 
 const BEGIN: &str = "<!-- catalogue -->\n";
 const END: &str = "<!-- /catalogue -->";
@@ -21,28 +24,36 @@ fn split(text: &str) -> Option<(&str, &str, &str)> {
     Some((before, table, behind))
 }
 
-fn table(rows: &[Row]) -> String {
+/// The catalogue in families, as the program prints it.
+fn table(list: &Value) -> String {
     let mut text =
         String::from("| structure | walk | on the CPU | on a GPU | what it is |\n|---|---|---|---|---|\n");
-    let mut seen = Vec::new();
-    for row in rows {
-        let key = (row.structure.to_string(), row.walk);
-        if seen.contains(&key) {
-            continue;
-        }
-        let queries = |device: DeviceKind| {
-            let offered = |query: &Query| {
-                rows.iter().any(|other| {
-                    (other.structure, other.walk, other.device) == (row.structure, row.walk, device)
-                        && other.query == *query
-                })
-            };
-            let names: Vec<&str> = Query::EVERY.into_iter().filter(offered).map(Query::name).collect();
-            if names.is_empty() { "-".into() } else { names.join(", ") }
+    let word = |value: &Value| value.as_str().expect("a word").replace('|', "\\|");
+    for family in list["walks"].as_array().expect("a list") {
+        let queries = |device: &str| {
+            let names: Vec<String> = family[device].as_array().expect("a list").iter().map(word).collect();
+            if names.is_empty() { "-".to_owned() } else { names.join(", ") }
         };
-        let (cpu, gpu) = (queries(DeviceKind::Cpu), queries(DeviceKind::Gpu));
-        text += &format!("| `{}` | `{}` | {cpu} | {gpu} | {} |\n", key.0, key.1, row.walk.about());
-        seen.push(key);
+        text += &format!(
+            "| `{}` | `{}` | {} | {} | {} |\n",
+            word(&family["structure"]),
+            word(&family["walk"]),
+            queries("cpu"),
+            queries("gpu"),
+            word(&family["about"])
+        );
+    }
+    text += "\n| structure | keys, with the value that is taken when one is left out | tried by the conformance suite as |\n";
+    text += "|---|---|---|\n";
+    for kind in list["structures"].as_array().expect("a list") {
+        let key = |key: &Value| {
+            let [name, values, default] = ["key", "values", "default"].map(|part| word(&key[part]));
+            format!("`{name}={values}` ({default})")
+        };
+        let keys: Vec<String> = kind["keys"].as_array().expect("a list").iter().map(key).collect();
+        let tried = kind["tried"].as_array().expect("a list").iter();
+        let tried: Vec<String> = tried.map(|spec| format!("`{}`", word(spec))).collect();
+        text += &format!("| `{}` | {} | {} |\n", word(&kind["structure"]), keys.join(", "), tried.join(" "));
     }
     text
 }
@@ -51,7 +62,7 @@ fn table(rows: &[Row]) -> String {
 fn the_table_is_the_catalogue() {
     let text = std::fs::read_to_string(readme()).expect("the README is there");
     let (before, stands, behind) = split(&text).expect("the README has the marks of the table");
-    let expected = table(&rows());
+    let expected = table(&run("list --json").success().json());
     if std::env::var_os(UPDATE).is_some() {
         std::fs::write(readme(), format!("{before}{BEGIN}{expected}{END}{behind}"))
             .expect("the README can be written");
@@ -62,9 +73,20 @@ fn the_table_is_the_catalogue() {
 
 #[test]
 fn a_row_too_few_would_be_seen() {
-    let all = rows();
-    assert_ne!(table(&all), table(&all[..all.len() - 1]));
-    assert_ne!(table(&all), table(&all[1..]));
+    let list = run("list --json").success().json();
+    let all = table(&list);
+    for (part, rows) in [("walks", 10), ("structures", 2)] {
+        let count = list[part].as_array().unwrap().len();
+        assert!(count >= rows, "{part}: {count}");
+        for index in 0..count {
+            let mut less = list.clone();
+            less[part].as_array_mut().unwrap().remove(index);
+            assert_ne!(table(&less), all, "{part} {index}");
+        }
+    }
+    for row in rows() {
+        assert!(all.contains(&format!("`{}`", row.structure)), "{row:?}");
+    }
 }
 
 /// The README's example, as it stands there.

@@ -123,9 +123,46 @@ fn the_document_has_every_key() {
     for key in ["nodes", "leaves", "depth", "sah_cost", "bytes", "bytes_per_triangle", "build_seconds"] {
         assert!(structure[key].as_f64().unwrap() > 0.0, "{key}");
     }
+    assert_eq!((&structure["references"], &structure["triangles"]), (&222.into(), &222.into()));
+    assert_eq!((&structure["reference_growth"], &structure["width"]), (&0.0.into(), &2.into()));
     for fit in document["gpu"].as_array().unwrap() {
         assert_eq!(fit["fits"], true);
         assert!(fit["limit_bytes"].as_u64().unwrap() > 0 && !fit["name"].as_str().unwrap().is_empty());
+    }
+}
+
+/// Triangles that straddle each other: spatial splits put some of them into several leaves.
+#[test]
+fn references_and_wide_nodes_are_told() {
+    let folder = Folder::new();
+    let mut text = String::new();
+    for index in 0..60 {
+        // Long slanted triangles side by side, whose boxes overlap almost wholly.
+        let x = f64::from(index) * 0.05;
+        text += &format!("v {x} 0 0\nv {} 10 10\nv {} 10 10.1\nf -3 -2 -1\n", x + 10.0, x + 10.0);
+    }
+    let scene = folder.write("sticks.obj", &text);
+    let info = |structure: &str| {
+        let document = run(&format!("info {scene} --json --structure {structure}")).success().json();
+        let numbers = ["triangles", "references", "width", "nodes", "leaves", "bytes"];
+        let numbers = numbers.map(|key| document["structure"][key].as_u64().unwrap());
+        let growth = document["structure"]["reference_growth"].as_f64().unwrap();
+        assert!((growth - (numbers[1] as f64 / 60.0 - 1.0)).abs() < 1e-9, "{document}");
+        assert!(document["gpu"].as_array().unwrap().iter().all(|fit| fit["node_bytes"].as_u64() > Some(0)));
+        numbers
+    };
+    let [triangles, references, width, nodes, leaves, bytes] = info("bvh:builder=sbvh,max-leaf=1");
+    assert!(references > triangles && triangles == 60 && width == 2, "{references}");
+    assert_eq!((nodes, bytes), (2 * leaves - 1, 32 * nodes + 48 * references));
+    let text = run(&format!("info {scene} --structure bvh:builder=sbvh,max-leaf=1")).success().out;
+    assert!(text.contains(&format!("{references} to 60 triangles (+")), "{text}");
+    for (spec, children) in [("wide-bvh:width=4", 4), ("wide-bvh:collapse=sah", 8)] {
+        let [_, references, width, nodes, leaves, bytes] = info(spec);
+        assert_eq!((references, width), (60, children));
+        assert_eq!(bytes, 32 * children * (nodes - leaves) + 48 * 60, "{spec}");
+        let text = run(&format!("info {scene} --structure {spec}")).success().out;
+        let (nodes, text) = (format!("{} of {children} children", nodes - leaves), text);
+        assert!(text.contains(&nodes) && !text.contains("references"), "{text}");
     }
 }
 

@@ -41,9 +41,22 @@ fn the_list_has_every_row() {
         assert_eq!(listed["device"], row.device.to_string());
         assert!(!listed["about"].as_str().unwrap().is_empty());
     }
+    // The text has families of walks instead, which together hold every row: so the documents' own list says.
     let text = run("list").success().out;
     for row in catalogue::rows() {
-        assert!(text.contains(&row.walk.to_string()) && text.contains(&row.structure.to_string()));
+        let structure = row.structure.to_string();
+        assert!(text.split_whitespace().any(|word| word == structure), "{structure}");
+        let device = row.device.to_string();
+        let of = document["walks"].as_array().unwrap().iter().filter(|family| {
+            let pattern = family["walk"].as_str().unwrap();
+            let name = pattern.split(['[', ':']).next().unwrap();
+            let queries = family[device.as_str()].as_array().unwrap();
+            family["structure"] == row.structure.kind().name()
+                && name == row.walk.name()
+                && queries.iter().any(|query| query == row.query.name())
+                && text.contains(&format!("\n  {pattern}\n"))
+        });
+        assert!(of.count() >= 1, "{row:?}");
     }
     if has_adapter() {
         assert!(text.contains("gpu:0"), "{text}");
@@ -58,6 +71,17 @@ fn wrong_words_are_answered_in_one_line_with_the_right_ones() {
     run("info builtin:pyramids").failure(2).mentions("assembly");
     run("info --structure kd-tree").failure(2).mentions("bvh");
     run("info --structure bvh:leaf=1").failure(2).mentions("max-leaf");
+    run("info --structure bvh:width=4").failure(2).mentions("reinsertion");
+    run("info --structure bvh:builder=best").failure(2).mentions("binned, sweep, sbvh");
+    run("info --structure wide-bvh:width=6").failure(2).mentions("4, 8");
+    run("info --structure wide-bvh:collapse=all").failure(2).mentions("area, sah");
+    run("info --structure wide-bvh:leaf=1").failure(2).mentions("collapse");
+    run("info builtin:cubes --structure bvh:reinsertion=99").failure(2).mentions("between 0 and 32");
+    run("info builtin:cubes --structure wide-bvh:duplication=999").failure(2).mentions("between 0 and 400");
+    run("trace --rays a --output b --walk restart-trail:short-stack=17").failure(2).mentions("0 to 16");
+    run("trace --rays a --output b --walk restart-trail:register=u16").failure(2).mentions("u64");
+    run("trace --rays a --output b --walk restart-trail:stack=4").failure(2).mentions("short-stack");
+    run("bench --walk restart-trail:memory=shared").failure(2).mentions("private, workgroup");
     run("info builtin:cubes --structure bvh:max-leaf=0").failure(2).mentions("between 1 and 255");
     run("render --walk list").failure(2).mentions("stack");
     run("render --device cuda").failure(2).mentions("auto, cpu, gpu");
@@ -101,7 +125,14 @@ fn what_no_device_answers_is_wrong_usage() {
     let folder = Folder::new();
     let (scene, rays) = (folder.two_triangles(), folder.rays("rays.npy", 6, &[0.0; 6]));
     let trace = format!("trace {scene} --rays {rays} -o {}", folder.text("hits.npz"));
-    run(&format!("{trace} --query all --device gpu")).failure(2).mentions("--device cpu");
+    let gpu = format!("{trace} --query all --device gpu");
+    run(&format!("{gpu} --walk brute-force")).failure(2).mentions("restart-trail:short-stack=0");
+    run(&format!("{gpu} --walk stack:order=culled")).failure(2).mentions("stack:order=ordered");
+    let wide = format!("{trace} --structure wide-bvh");
+    run(&format!("{wide} --walk recursive")).failure(2).mentions("stack:order=ordered");
+    run(&format!("{wide} --walk restart-trail:register=u32 --device cpu")).failure(2).mentions("register=u64");
+    let trail = format!("{trace} --walk restart-trail:memory=workgroup --device cpu");
+    run(&trail).failure(2).mentions("restart-trail:short-stack=4");
     run(&format!("{trace} --query all --walk recursive")).failure(2).mentions("stack:order=ordered");
     run(&format!("{trace} --query first")).failure(2).mentions("closest");
 }

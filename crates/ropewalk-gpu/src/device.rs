@@ -1,5 +1,7 @@
 //! One way to trace on either device: choose one, prepare a structure on it, trace.
 
+mod points;
+
 use crate::adapter::{DeviceChoice, discover, select, summaries};
 use crate::{Gpu, GpuError, GpuStructure, Tracer};
 use ropewalk::{DeviceKind, Query, Ray, Structure, TraceOptions, Traced, Walk};

@@ -92,6 +92,22 @@ pub enum GpuError {
         /// The first such ray.
         ray: usize,
     },
+    /// The same, of a point query.
+    #[error("the device left query {query} without an answer: it was reset, or its driver cut the work short")]
+    UnansweredQuery {
+        /// The first such query.
+        query: usize,
+    },
+    /// A point query wants more triangles than a kernel's list has room for.
+    #[error(
+        "k-nearest with k = {k}: a graphics adapter finds the nearest {limit} at most: ask for fewer, or use the device cpu"
+    )]
+    TooManyNearest {
+        /// How many were asked for.
+        k: usize,
+        /// The most there may be.
+        limit: usize,
+    },
     /// wgpu or the driver refused something.
     #[error("the device refused {what}: {reason}")]
     Refused {

@@ -1,6 +1,6 @@
 //! A wgpu device that kernels run on: opened here, or brought by the caller.
 //!
-//! **Invariants.** Every [`Gpu`] has what the smallest kernel needs ([`Gpu::from_device`] refuses others). A
+//! **Invariants.** Every [`Gpu`] has what every kernel needs ([`Gpu::from_device`] refuses others). A
 //! caller's device is only used: its callbacks, its queue and its other resources are left alone.
 
 use crate::adapter::{discover, summaries};
@@ -12,6 +12,9 @@ use std::sync::{Arc, OnceLock};
 pub(crate) const STORAGE_BUFFERS: u32 = 4;
 /// Invocations a workgroup: two warps or one wave, and small enough for every device.
 pub(crate) const WORKGROUP_SIZE: u32 = 64;
+
+/// Workgroup memory of the largest short stack: two words an entry. WebGPU promises 16 KiB.
+const WORKGROUP_BYTES: u32 = WORKGROUP_SIZE * ropewalk::catalogue::TrailOptions::MAX_SHORT_STACK * 8;
 
 /// A device with its queue and what is known about it. Clones share all of it.
 #[derive(Clone, Debug)]
@@ -64,7 +67,7 @@ impl Gpu {
     /// say what is best asked for when such a device is made.
     ///
     /// # Errors
-    /// When a limit of the device is below what the smallest kernel needs.
+    /// When a limit of the device is below what the kernels need.
     pub fn from_device(
         device: wgpu::Device,
         queue: wgpu::Queue,
@@ -84,6 +87,11 @@ impl Gpu {
                 "max_compute_invocations_per_workgroup",
                 WORKGROUP_SIZE,
                 limits.max_compute_invocations_per_workgroup,
+            ),
+            (
+                "max_compute_workgroup_storage_size",
+                WORKGROUP_BYTES,
+                limits.max_compute_workgroup_storage_size,
             ),
             ("max_compute_workgroups_per_dimension", 1, limits.max_compute_workgroups_per_dimension),
         ];

@@ -20,12 +20,15 @@
 //! | `gpu` | a device and its queue, ours or the caller's |
 //! | [`shader`] | WGSL files, put together by imports, conditions and text constants |
 //! | `tracer` | a structure in buffers, batches in tiles, answers read back |
-//! | `device` | one way to trace on either device |
+//! | `device` | one way to trace, and to ask about points, on either device |
 //!
-//! **Agreement with the CPU.** Every kernel is the twin of a walk in [`ropewalk::bvh::walk`]: same operations,
-//! same order. Where a device rounds as IEEE 754 says (lavapipe does), hits and counters are the same to the bit.
+//! **Agreement with the CPU.** Every kernel is the twin of a walk in [`ropewalk::bvh::walk`] or
+//! [`ropewalk::wide_bvh::walk`]: same operations, same order. Where a device rounds as IEEE 754 says (lavapipe does), hits and counters are the same to the bit.
 //! Where it fuses multiplications with additions or divides by an approximate reciprocal, indices agree and `t`
 //! lies within 1e-5 relative, ties aside.
+//!
+//! **Drivers that end loops.** Mesa's lavapipe allows 65,535 iterations of all loops of a shader together, and then ends
+//! them. A ray that goes so far, or shares a vector with one that does, has [`ropewalk::Status::STEP_BUDGET`].
 //!
 //! **Features.** Vulkan is always in. `metal`, `dx12` and `gles` add the interfaces of their platforms.
 
@@ -44,5 +47,5 @@ pub use adapter::{AdapterSummary, DeviceChoice, adapters};
 pub use device::{Device, OpenedDevice, Traceable};
 pub use error::GpuError;
 pub use gpu::Gpu;
-pub use tracer::{GpuStructure, GpuTraced, Tracer, TracerOptions};
+pub use tracer::{GpuPoints, GpuStructure, GpuTraced, Tracer, TracerOptions};
 pub use wgpu;

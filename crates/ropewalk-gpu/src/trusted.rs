@@ -17,13 +17,18 @@ pub(crate) fn shader_module(
     }
     #[expect(unsafe_code, reason = "wgpu cannot see what the walks and the structures promise each other")]
     // SAFETY: The shader must not index out of bounds, loop forever, or divide integers by zero.
-    // - Ray and result indices are compared with the batch's ray count; the buffers hold that many records.
+    // - Ray and result indices are compared with the batch's ray count; the buffers hold that many records. A hit of
+    //   an all-hits batch is compared with the room of its ray; the host gives out no more room than there is.
     // - Node and triangle indices come from the uploaded structure alone. Its fields are private, and every
     //   constructor builds or validates it: each link names a node or a range of triangles that is there.
-    // - A stack index is compared with the stack's size before each push, and with zero before each pop.
+    // - A stack index is compared with the stack's size before each push, and with zero before each pop. A short
+    //   stack's place wraps at its size. A trail's level is at most the depth of the structure, which is compared with
+    //   the register's before a batch is sent. A list of the nearest has no more entries than places. Its results have
+    //   as many places a query as the host counts. Sorted children are as many as a node has places.
     // - Each loop of a walk counts down the batch's step budget; a leaf's loop ends at its count, a pop loop
-    //   at the empty stack.
-    // - No shader divides integers, uses ray queries, mesh stages or workgroup memory.
+    //   at the empty stack, a trail's loops at level 0.
+    // - Workgroup memory: each invocation reads what it wrote itself, and nothing else.
+    // - No shader divides integers by anything but constants, or uses ray queries or mesh stages.
     // The test suite runs every kernel with the checks as well and demands the same words.
     unsafe {
         device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked())

@@ -4,8 +4,8 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, Scalar, ScalarKind, TypeInner};
 use ropewalk::bvh::StackOrder;
 use ropewalk::{Query, Walk};
-use ropewalk_gpu::shader::{Definitions, Kernel, ShaderLibrary};
-use std::collections::BTreeSet;
+use ropewalk_gpu::shader::{AssemblyError, Definitions, Kernel, PointKernel, ShaderLibrary, Tree};
+use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
 
 /// What a kernel may use: the limits of a plain WebGPU device.
@@ -38,12 +38,25 @@ fn the_list_holds_every_file_of_the_folder() {
 #[test]
 fn every_kernel_is_portable() {
     let library = ShaderLibrary::shipped();
-    for kernel in Kernel::every() {
-        let source = kernel.source(&library).unwrap_or_else(|error| panic!("{}: {error}", kernel.label()));
-        if let Err(what) = check(&source) {
-            panic!("{}: {what}", kernel.label());
+    let rays = Kernel::every().into_iter().map(|kernel| (kernel.label(), kernel.source(&library)));
+    let points = PointKernel::every().into_iter().map(|kernel| (kernel.label(), kernel.source(&library)));
+    let kernels: Vec<_> = rays.chain(points).collect();
+    let labels: HashSet<&str> = kernels.iter().map(|(label, _)| label.as_str()).collect();
+    assert_eq!(labels.len(), kernels.len(), "two kernels are called the same");
+    let threads = std::thread::available_parallelism().map_or(1, |threads| threads.get());
+    let check_some = |kernels: &[(String, Result<String, AssemblyError>)]| {
+        for (label, source) in kernels {
+            let source = source.as_ref().unwrap_or_else(|error| panic!("{label}: {error}"));
+            if let Err(what) = check(source) {
+                panic!("{label}: {what}");
+            }
         }
-    }
+    };
+    std::thread::scope(|scope| {
+        for part in kernels.chunks(kernels.len().div_ceil(threads)) {
+            scope.spawn(|| check_some(part));
+        }
+    });
 }
 
 /// The check itself objects to what it must not let pass.
@@ -73,6 +86,7 @@ fn a_shader_of_ones_own_can_import_the_parts() {
     let own =
         "#import #{WALK}\n@compute @workgroup_size(1) fn trace() { _ = bvh_nodes[0]; _ = bvh_triangles[0]; }";
     let kernel = Kernel {
+        tree: Tree::Binary,
         walk: Walk::Stack(StackOrder::Culled),
         query: Query::Closest,
         counters: false,

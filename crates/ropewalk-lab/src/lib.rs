@@ -1,8 +1,10 @@
-//! Measurements of ropewalk: what it costs to build a structure, and how many rays a second each walk answers.
+//! Measurements of ropewalk: what it costs to build a structure, how many rays a second each walk answers, and the
+//! experiments of the papers.
 //!
 //! | module | concept |
 //! |---|---|
 //! | [`mod@bench`] | one scene: builds, agreement of all walks, rates per ray class |
+//! | [`restart_trail`] | what stacklessness costs: the comparison of Laine 2010 |
 //! | [`machine`] | what a record must say about where it was made |
 //! | [`spread`] | the median of many rounds |
 //!
@@ -12,6 +14,7 @@
 
 pub mod bench;
 pub mod machine;
+pub mod restart_trail;
 pub mod spread;
 
 pub use machine::Machine;

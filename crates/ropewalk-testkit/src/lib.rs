@@ -8,6 +8,7 @@
 //! | [`compare`] | comparators of answers; each is tested with wrong ones |
 //! | [`conformance`] | every row of the catalogue over every case, on any device |
 //! | [`meshes`] | procedural meshes: spheres, fans, grids, soups |
+//! | [`points`] | point queries: where to ask, an oracle in f64, comparators |
 //! | [`random`] | the random numbers of all this |
 //!
 //! Nothing here knows how a device traces: a GPU is judged by the same code as the CPU.
@@ -19,5 +20,6 @@ pub mod compare;
 pub mod conformance;
 pub mod meshes;
 pub mod oracle;
+pub mod points;
 pub mod random;
 pub mod rays;

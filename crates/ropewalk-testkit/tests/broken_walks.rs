@@ -42,6 +42,7 @@ enum Fault {
 }
 
 /// The ordered walk with one of the faults that a walk can have by itself.
+#[derive(Clone, Copy)]
 struct Faulty<const FAULT: u8>;
 
 impl<const FAULT: u8> Faulty<FAULT> {
@@ -62,7 +63,7 @@ impl<const FAULT: u8> Faulty<FAULT> {
 }
 
 impl<const FAULT: u8> BvhWalk for Faulty<FAULT> {
-    fn walk<V: Visitor>(nodes: &[Node], ray: &PreparedRay, visitor: &mut V) {
+    fn walk<V: Visitor>(self, nodes: &[Node], ray: &PreparedRay, visitor: &mut V) {
         let mut stack: Vec<(u32, f32)> = Vec::new();
         let mut next = (!nodes.is_empty()).then_some(0u32);
         while let Some(current) = next {
@@ -78,7 +79,7 @@ impl<const FAULT: u8> BvhWalk for Faulty<FAULT> {
                     return;
                 }
             } else {
-                visitor.inner_visit();
+                visitor.inner_visit(current);
                 let (first, second) = (current + 1, node.link);
                 let (a, hit_a) = Self::test(&nodes[first as usize], ray, visitor.t_max());
                 let (b, hit_b) = Self::test(&nodes[second as usize], ray, visitor.t_max());
@@ -167,8 +168,8 @@ impl Device for Broken {
         macro_rules! by_walk {
             ($($fault:ident),*) => {
                 match self.fault {
-                    $(Fault::$fault => trace::<Faulty<{ Fault::$fault as u8 }>>(bvh, self.fault, query, rays, options),)*
-                    _ => trace::<Ordered>(bvh, self.fault, query, rays, options),
+                    $(Fault::$fault => trace(Faulty::<{ Fault::$fault as u8 }>, bvh, self.fault, query, rays, options),)*
+                    _ => trace(Ordered, bvh, self.fault, query, rays, options),
                 }
             };
         }
@@ -185,7 +186,14 @@ impl Device for Broken {
     }
 }
 
-fn trace<W: BvhWalk>(bvh: &Bvh, fault: Fault, query: Query, rays: &[Ray], options: TraceOptions) -> Traced {
+fn trace<W: BvhWalk>(
+    walk: W,
+    bvh: &Bvh,
+    fault: Fault,
+    query: Query,
+    rays: &[Ray],
+    options: TraceOptions,
+) -> Traced {
     let mut status = Vec::new();
     let mut counters = Vec::new();
     let (mut closest, mut any, mut counts) = (Vec::new(), Vec::new(), Vec::new());
@@ -213,19 +221,19 @@ fn trace<W: BvhWalk>(bvh: &Bvh, fault: Fault, query: Query, rays: &[Ray], option
         let mut counted = Counters::default();
         match query {
             Query::Any => any.push(prepared.is_some_and(|ray| {
-                let (found, probe) = bvh.visit::<W, _, _>(&ray, AnyHit::new(&ray), counted);
+                let (found, probe) = bvh.visit(walk, &ray, AnyHit::new(&ray), counted);
                 counted = probe;
                 found.answer()
             })),
             Query::Count => counts.push(prepared.map_or(0, |ray| {
-                let (found, probe) = bvh.visit::<W, _, _>(&ray, HitCount::new(&ray), counted);
+                let (found, probe) = bvh.visit(walk, &ray, HitCount::new(&ray), counted);
                 counted = probe;
                 found.answer()
             })),
             Query::All => {
                 let first = lists.hits.len();
                 if let Some(ray) = prepared {
-                    counted = bvh.visit::<W, _, _>(&ray, AllHits::new(&ray, &mut lists.hits), counted).1;
+                    counted = bvh.visit(walk, &ray, AllHits::new(&ray, &mut lists.hits), counted).1;
                 }
                 let hits = &mut lists.hits[first..];
                 hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.id().cmp(&b.id())));
@@ -237,7 +245,7 @@ fn trace<W: BvhWalk>(bvh: &Bvh, fault: Fault, query: Query, rays: &[Ray], option
             }
             Query::Closest => {
                 let mut hit = prepared.map_or(Hit::MISS, |ray| {
-                    let (hit, probe) = nearest::<W>(bvh, &ray, fault, counted);
+                    let (hit, probe) = nearest(walk, bvh, &ray, fault, counted);
                     counted = probe;
                     hit
                 });
@@ -264,13 +272,19 @@ fn trace<W: BvhWalk>(bvh: &Bvh, fault: Fault, query: Query, rays: &[Ray], option
     Traced { answer, status, counters: options.counters.then_some(counters) }
 }
 
-fn nearest<W: BvhWalk>(bvh: &Bvh, ray: &PreparedRay, fault: Fault, probe: Counters) -> (Hit, Counters) {
+fn nearest<W: BvhWalk>(
+    walk: W,
+    bvh: &Bvh,
+    ray: &PreparedRay,
+    fault: Fault,
+    probe: Counters,
+) -> (Hit, Counters) {
     if matches!(fault, Fault::TieRuleReversed | Fault::TiesToTheFirstMet) {
         let collect = WrongTies { t_max: ray.t_max, hit: Hit::MISS, fault };
-        let (collect, probe) = bvh.visit::<W, _, _>(ray, collect, probe);
+        let (collect, probe) = bvh.visit(walk, ray, collect, probe);
         return (collect.hit, probe);
     }
-    let (found, probe) = bvh.visit::<W, _, _>(ray, ropewalk::bvh::walk::ClosestHit::new(ray), probe);
+    let (found, probe) = bvh.visit(walk, ray, ropewalk::bvh::walk::ClosestHit::new(ray), probe);
     (found.answer(), probe)
 }
 

@@ -1,5 +1,6 @@
 //! Errors as values: each names the thing, the limit, and the way out.
 
+use crate::Walk;
 use thiserror::Error;
 
 /// A transform that cannot place an object.
@@ -86,6 +87,26 @@ pub enum TraceError {
     /// The combination is not in the catalogue.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
+    /// The tree is deeper than the walk's register.
+    #[error(
+        "the walk '{walk}' goes through trees of depth {limit} at most, and this one has {depth}: take register=auto, or build with max-depth={limit}"
+    )]
+    TooDeep {
+        /// The walk.
+        walk: String,
+        /// The depth of the tree.
+        depth: u32,
+        /// The depth that the register leads to.
+        limit: u32,
+    },
+}
+
+impl TraceError {
+    /// The error of a tree that is deeper than a walk's register.
+    #[must_use]
+    pub fn too_deep(walk: Walk, depth: u32, limit: u32) -> Self {
+        Self::TooDeep { walk: walk.to_string(), depth, limit }
+    }
 }
 
 /// A structure that breaks its own rules: what validation found.

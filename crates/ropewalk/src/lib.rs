@@ -10,7 +10,8 @@
 //! ```
 //!
 //! The vocabulary stands in small modules: [`Ray`], [`Hit`], [`Aabb`], [`Sphere`], [`Triangle`],
-//! [`Transform`], [`Mesh`], [`Scene`]. Each structure has a folder with its nodes, builders and walks: [`bvh`].
+//! [`Transform`], [`Mesh`], [`Scene`]. Each structure has a folder with its nodes, builders and walks: [`bvh`],
+//! [`wide_bvh`].
 //! [`catalogue`] is the one table of what can be traced.
 //!
 //! **Features.** `parallel` (default) builds and traces batches on rayon, in whichever pool the caller
@@ -22,11 +23,13 @@ pub mod aabb;
 pub mod batch;
 pub mod bvh;
 pub mod catalogue;
+mod clock;
 mod error;
 mod hit;
 mod mesh;
 mod monitor;
 mod parallel;
+pub mod point;
 mod probe;
 mod query;
 pub mod ray;
@@ -35,16 +38,20 @@ mod sphere;
 mod status;
 mod transform;
 pub mod triangle;
+pub mod wide_bvh;
 
 pub use aabb::Aabb;
 pub use batch::{Answer, HitLists, TraceOptions, Traced};
-pub use bvh::{BuildOptions, BuildReport, Bvh};
-pub use catalogue::{DeviceKind, Structure, StructureSpec, Walk};
+pub use bvh::{BuildOptions, BuildReport, Builder, Bvh};
+pub use catalogue::{DeviceKind, Structure, StructureKind, StructureSpec, Walk};
 pub use error::{BuildError, CatalogueError, SceneError, TraceError, TransformError, ValidationError};
 pub use glam;
 pub use hit::Hit;
 pub use mesh::Mesh;
 pub use monitor::{Monitor, NoMonitor};
+pub use point::{
+    ClosestPoint, Feature, NearestLists, PointAnswers, PointQuery, PointSearch, SignedDistance, SurfaceError, SurfacePoint,
+};
 pub use probe::{CounterTotals, Counters, NoProbe, Probe};
 pub use query::Query;
 pub use ray::{LARGEST_DIRECTION, PreparedRay, Ray, SMALLEST_DIRECTION};
@@ -53,3 +60,4 @@ pub use sphere::Sphere;
 pub use status::Status;
 pub use transform::Transform;
 pub use triangle::{FlatTriangle, Triangle};
+pub use wide_bvh::{WideBvh, WideOptions};

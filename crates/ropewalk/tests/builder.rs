@@ -1,15 +1,21 @@
-//! The promises of the builder: leaves and depth within their limits, valid trees of any input, errors for
+//! The promises of every builder: leaves and depth within their limits, valid trees of any input, errors for
 //! options out of range, progress and cancelling, leaves first.
 
 use glam::{DVec3, Vec3};
 use ropewalk::bvh::{LeafOrder, MAX_DEPTH, Node};
-use ropewalk::{BuildError, BuildOptions, Bvh, Mesh, NoMonitor, Scene, glam};
+use ropewalk::{BuildError, BuildOptions, Builder, Bvh, Mesh, NoMonitor, Scene, glam};
 use ropewalk_testkit::cases::Case;
 use ropewalk_testkit::meshes;
 use ropewalk_testkit::random::Random;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+
+const BUILDERS: [Builder; 3] = [Builder::BinnedSah, Builder::SweepSah, Builder::Sbvh];
+
+fn by(builder: Builder) -> BuildOptions {
+    BuildOptions { builder, ..BuildOptions::default() }
+}
 
 /// What is hard for a builder, beyond the cases of the suite.
 fn nasty() -> Vec<(&'static str, Scene)> {
@@ -83,46 +89,67 @@ fn leaves_and_depth_keep_their_limits_on_any_input() {
         let triangles = flat.triangles.len();
         for (max_leaf, max_depth, bins) in [
             (1, 64, 16),
+            (1, 63, 16),
             (1, 31, 2),
             (1, 8, 32),
             (2, 3, 16),
+            (3, 2, 8),
             (4, 48, 16),
             (8, 1, 7),
             (255, 64, 3),
             (16, 64, 16),
         ] {
-            for leaf_order in [LeafOrder::Split, LeafOrder::Left] {
-                let options = BuildOptions { max_leaf, max_depth, bins, leaf_order };
-                let bvh = scene.build(&options).unwrap();
-                bvh.validate().unwrap_or_else(|error| panic!("{name} {options:?}: {error}"));
-                let report = bvh.report();
-                assert!(depth(&bvh) <= max_depth, "{name} {options:?}: depth {}", depth(&bvh));
-                // A leaf may grow only where the depth cap leaves no room: halving all the way, rounded up.
-                let room = triangles.div_ceil(1 << max_depth.min(60)).max(max_leaf as usize);
-                let largest = most_in_a_leaf(&bvh);
-                assert!(largest as usize <= room, "{name} {options:?}: {largest} in a leaf, {room} would do");
-
-                assert_eq!(report.depth, depth(&bvh), "{name}");
-                assert_eq!(report.largest_leaf, largest, "{name}");
-                assert_eq!((report.triangles, bvh.triangles().len()), (triangles, triangles), "{name}");
-                assert_eq!(report.input, flat.report, "{name}");
-                assert_eq!(report.nodes, bvh.nodes().len());
-                assert_eq!(report.nodes, (2 * report.leaves).saturating_sub(1), "{name}");
-                assert_eq!(report.bytes, 32 * report.nodes + 48 * triangles);
-                assert!(report.sah_cost.is_finite() && report.sah_cost >= 0.0, "{name}: {}", report.sah_cost);
+            for builder in BUILDERS {
+                for leaf_order in [LeafOrder::Split, LeafOrder::Left] {
+                    let options = BuildOptions { max_leaf, max_depth, bins, leaf_order, ..by(builder) };
+                    check_limits(name, &scene, &options, triangles);
+                }
             }
         }
     }
 }
 
+fn check_limits(name: &str, scene: &Scene, options: &BuildOptions, triangles: usize) {
+    let bvh = scene.build(options).unwrap();
+    bvh.validate().unwrap_or_else(|error| panic!("{name} {options:?}: {error}"));
+    let report = bvh.report();
+    let max_depth = options.max_depth;
+    assert!(depth(&bvh) <= max_depth, "{name} {options:?}: depth {}", depth(&bvh));
+    // A leaf may grow only where the depth cap leaves no room: halving all the way, rounded up.
+    let room = triangles.div_ceil(1 << max_depth.min(60)).max(options.max_leaf as usize);
+    let largest = most_in_a_leaf(&bvh);
+    assert!(largest as usize <= room, "{name} {options:?}: {largest} in a leaf, {room} would do");
+    let references = bvh.triangles().len();
+    let allowed = match options.builder {
+        Builder::Sbvh => triangles + triangles * options.duplication as usize / 100,
+        _ => triangles,
+    };
+    assert!((triangles..=allowed).contains(&references), "{name} {options:?}: {references} of {triangles}");
+
+    assert_eq!(report.depth, depth(&bvh), "{name}");
+    assert_eq!(report.largest_leaf, largest, "{name}");
+    assert_eq!((report.triangles, report.references), (triangles, references), "{name}");
+    assert_eq!(bvh.has_repeats(), references > triangles, "{name}");
+    assert_eq!(report.input, scene.flatten().unwrap().report, "{name}");
+    assert_eq!(report.nodes, bvh.nodes().len());
+    assert_eq!(report.nodes, (2 * report.leaves).saturating_sub(1), "{name}");
+    assert_eq!(report.bytes, 32 * report.nodes + 48 * references);
+    assert!(report.sah_cost.is_finite() && report.sah_cost >= 0.0, "{name}: {}", report.sah_cost);
+}
+
 #[test]
 fn every_triangle_is_in_the_tree_as_it_was() {
     for (name, scene) in nasty() {
-        let bvh = scene.build(&BuildOptions::default()).unwrap();
-        let mut built = bvh.triangles().to_vec();
-        built.sort_by_key(|triangle| (triangle.instance(), triangle.geometry(), triangle.primitive));
         let flat = scene.flatten().unwrap().triangles;
-        assert!(built == flat, "{name}: the leaves do not hold the triangles of the scene");
+        for builder in BUILDERS {
+            let bvh = scene.build(&by(builder)).unwrap();
+            let mut built = bvh.triangles().to_vec();
+            built.sort_by_key(|triangle| (triangle.instance(), triangle.geometry(), triangle.primitive));
+            if builder == Builder::Sbvh {
+                built.dedup();
+            }
+            assert!(built == flat, "{name} {builder:?}: the leaves do not hold the triangles of the scene");
+        }
     }
 }
 
@@ -140,6 +167,8 @@ fn options_out_of_range_are_errors_that_name_the_range() {
         (BuildOptions { bins: 0, ..plain }, "bins", "32"),
         (BuildOptions { bins: 1, ..plain }, "bins", "32"),
         (BuildOptions { bins: 33, ..plain }, "bins", "32"),
+        (BuildOptions { duplication: 401, ..plain }, "duplication", "400"),
+        (BuildOptions { reinsertion: 33, ..plain }, "reinsertion", "32"),
     ] {
         for scene in [&scene, &Scene::default()] {
             let error = scene.build(&options).expect_err(name);
@@ -152,7 +181,9 @@ fn options_out_of_range_are_errors_that_name_the_range() {
 
 #[test]
 fn progress_only_grows_and_reaches_the_total() {
-    for triangles in [1, 100, 5000, 100_000] {
+    for (builder, triangles) in
+        BUILDERS.into_iter().flat_map(|builder| [1, 100, 5000, 100_000].map(|triangles| (builder, triangles)))
+    {
         let scene = Scene::from_mesh(meshes::soup(triangles, 0.01, 3));
         let total = triangles as usize;
         let heard = Mutex::new(Vec::new());
@@ -162,14 +193,14 @@ fn progress_only_grows_and_reaches_the_total() {
             heard.lock().unwrap().push(done);
             ControlFlow::Continue(())
         };
-        let bvh = scene.build_monitored(&BuildOptions::default(), &monitor).unwrap();
+        let bvh = scene.build_monitored(&by(builder), &monitor).unwrap();
         let mut heard = heard.into_inner().unwrap();
         // Threads may overtake each other on the way to the monitor, but each amount is told once.
         heard.sort_unstable();
         assert!(heard.windows(2).all(|pair| pair[0] < pair[1]), "{triangles}");
         assert_eq!(heard.last(), Some(&total));
         assert!(triangles < 100_000 || heard.len() > 10, "a long build is heard of {} times", heard.len());
-        let alone = scene.build_monitored(&BuildOptions::default(), &NoMonitor).unwrap();
+        let alone = scene.build_monitored(&by(builder), &NoMonitor).unwrap();
         assert!(alone.nodes() == bvh.nodes(), "listening changes nothing");
     }
 }
@@ -177,12 +208,16 @@ fn progress_only_grows_and_reaches_the_total() {
 #[test]
 fn a_build_can_be_cancelled_at_any_point() {
     let scene = Scene::from_mesh(meshes::soup(100_000, 0.01, 3));
+    BUILDERS.into_iter().for_each(|builder| check_cancelling(&scene, &by(builder)));
+}
+
+fn check_cancelling(scene: &Scene, options: &BuildOptions) {
     let calls = AtomicUsize::new(0);
     let count = |_: usize, _: usize| {
         calls.fetch_add(1, Ordering::Relaxed);
         ControlFlow::Continue(())
     };
-    scene.build_monitored(&BuildOptions::default(), &count).unwrap();
+    scene.build_monitored(options, &count).unwrap();
     let calls = calls.into_inner();
     for stop_at in [1, 2, calls / 2, calls - 1, calls] {
         let heard = AtomicUsize::new(0);
@@ -193,7 +228,7 @@ fn a_build_can_be_cancelled_at_any_point() {
                 ControlFlow::Continue(())
             }
         };
-        let error = scene.build_monitored(&BuildOptions::default(), &stop).expect_err("cancelled");
+        let error = scene.build_monitored(options, &stop).expect_err("cancelled");
         assert_eq!(error, BuildError::Cancelled, "at call {stop_at} of {calls}");
     }
     // Stopped at once it must not do the whole work first.
@@ -202,15 +237,16 @@ fn a_build_can_be_cancelled_at_any_point() {
         heard.fetch_add(1, Ordering::Relaxed);
         ControlFlow::Break(())
     };
-    assert_eq!(scene.build_monitored(&BuildOptions::default(), &stop).unwrap_err(), BuildError::Cancelled);
+    assert_eq!(scene.build_monitored(options, &stop).unwrap_err(), BuildError::Cancelled);
     assert!(heard.into_inner() < calls / 2 + 8, "the other threads go on");
 }
 
 #[test]
 fn putting_leaves_first_swaps_children_and_nothing_else() {
-    for (name, scene) in nasty() {
-        let build =
-            |leaf_order| scene.build(&BuildOptions { leaf_order, max_leaf: 2, ..BuildOptions::default() });
+    for (name, scene, builder) in
+        nasty().into_iter().flat_map(|(name, scene)| BUILDERS.map(|builder| (name, scene.clone(), builder)))
+    {
+        let build = |leaf_order| scene.build(&BuildOptions { leaf_order, max_leaf: 2, ..by(builder) });
         let (split, left) = (build(LeafOrder::Split).unwrap(), build(LeafOrder::Left).unwrap());
         assert!(split.triangles() == left.triangles(), "{name}: the triangles moved");
         assert_eq!(split.nodes().len(), left.nodes().len(), "{name}");
@@ -244,24 +280,24 @@ fn putting_leaves_first_swaps_children_and_nothing_else() {
 #[test]
 fn deep_chains_stop_at_the_cap() {
     let scene = Case::named("chain").unwrap().scene;
-    let deepest = |max_depth| {
-        let bvh = scene.build(&BuildOptions { max_leaf: 1, max_depth, ..BuildOptions::default() }).unwrap();
-        depth(&bvh)
-    };
-    let free = deepest(64);
-    assert!(free > 12, "the chain is only {free} deep: it tests nothing");
-    assert!(deepest(31) <= 31);
-    assert_eq!(deepest(8), 8, "a hundred triangles need seven levels, and the chain wants more");
-    // Few bins see less and cut off less at a time: deeper still.
-    let coarse =
-        scene.build(&BuildOptions { max_leaf: 1, max_depth: 64, bins: 2, ..BuildOptions::default() });
-    assert!(depth(&coarse.unwrap()) <= 64);
+    for builder in BUILDERS {
+        let deepest = |max_depth, bins| {
+            let bvh = scene.build(&BuildOptions { max_leaf: 1, max_depth, bins, ..by(builder) }).unwrap();
+            depth(&bvh)
+        };
+        let free = deepest(64, 16);
+        assert!(free > 12, "{builder:?}: the chain is only {free} deep: it tests nothing");
+        assert!(deepest(63, 16) <= 63 && deepest(31, 16) <= 31, "{builder:?}");
+        assert_eq!(deepest(8, 16), 8, "a hundred triangles need seven levels, and the chain wants more");
+        // Few bins see less and cut off less at a time: deeper still.
+        assert!(deepest(64, 2) <= 64, "{builder:?}");
+    }
 }
 
 /// A tree made by hand as deep as a tree may be: every walk finds what is at its end.
 #[test]
 fn a_tree_of_the_largest_depth_is_walked_to_its_end() {
-    use ropewalk::{Query, Ray, TraceOptions, Walk, catalogue};
+    use ropewalk::{Query, Ray, StructureKind, TraceError, TraceOptions, Walk, catalogue};
     let levels = MAX_DEPTH;
     let mut mesh = Mesh::default();
     for k in 0..=levels {
@@ -291,11 +327,14 @@ fn a_tree_of_the_largest_depth_is_walked_to_its_end() {
     let back = Ray::new(Vec3::new(100.0, 0.2, 0.2), Vec3::NEG_X);
     for walk in Walk::EVERY {
         for query in [Query::Closest, Query::Any, Query::Count] {
-            if catalogue::check(walk, query, ropewalk::DeviceKind::Cpu).is_err() {
+            if catalogue::check(StructureKind::Bvh, walk, query, ropewalk::DeviceKind::Cpu).is_err() {
                 continue;
             }
             let options = TraceOptions { counters: true };
-            let traced = bvh.trace(walk, query, &[forth, back], options).unwrap();
+            let traced = match bvh.trace(walk, query, &[forth, back], options) {
+                Err(TraceError::TooDeep { limit, .. }) if limit < MAX_DEPTH => continue,
+                traced => traced.unwrap(),
+            };
             let depth = traced.totals().unwrap().stack_depth;
             assert!(depth <= MAX_DEPTH, "{walk}");
             match traced.answer {

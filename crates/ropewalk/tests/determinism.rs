@@ -1,17 +1,23 @@
 //! The same input makes the same tree and the same hits, to the bit, for any number of threads and every time.
 
+use glam::DVec3;
 use ropewalk::bvh::LeafOrder;
-use ropewalk::{BuildOptions, Bvh, Hit, Query, Ray, Scene, TraceOptions, Traced, Walk};
+use ropewalk::{BuildOptions, Builder, Bvh, Hit, Query, Ray, Scene, TraceOptions, Traced, Walk, glam};
 use ropewalk_testkit::meshes;
 use ropewalk_testkit::rays::{RayClass, RayMaker};
 
-/// Large enough that every part of the builder that may use threads does: more than 65,536 triangles.
+/// Large enough that every part of the builders that may use threads does: more than 65,536 triangles.
 fn scene() -> Scene {
     let mut mesh = meshes::soup(60_000, 0.02, 1);
     // Equal centres and duplicates, where a sort that is not stable would show.
     meshes::append(&mut mesh, &meshes::icosphere(5));
     let copy = mesh.clone();
     meshes::append(&mut mesh, &copy);
+    // Large slanted walls, so that spatial splits are worth their references.
+    meshes::append(
+        &mut mesh,
+        &meshes::mapped(meshes::grid(1, 0.2, 6, 0.3), |point| point + DVec3::Y * (point.x - 0.5 * point.z)),
+    );
     Scene::from_mesh(mesh)
 }
 
@@ -49,8 +55,15 @@ struct Seen {
 
 fn look(scene: &Scene, rays: &[Ray]) -> Seen {
     let mut seen = Seen { trees: Vec::new(), answers: Vec::new() };
-    for leaf_order in [LeafOrder::Split, LeafOrder::Left] {
-        let bvh = scene.build(&BuildOptions { leaf_order, ..BuildOptions::default() }).unwrap();
+    let plain = BuildOptions::default();
+    for options in [
+        plain,
+        BuildOptions { leaf_order: LeafOrder::Left, ..plain },
+        BuildOptions { builder: Builder::SweepSah, ..plain },
+        BuildOptions { builder: Builder::Sbvh, ..plain },
+        BuildOptions { builder: Builder::Sbvh, duplication: 3, reinsertion: 1, ..plain },
+    ] {
+        let bvh = scene.build(&options).unwrap();
         let (mut hits, mut any) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
         bvh.closest_batch(rays, &mut hits);
         bvh.any_batch(rays, &mut any);

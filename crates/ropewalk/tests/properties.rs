@@ -5,7 +5,8 @@ use glam::{Affine3A, Vec3};
 use proptest::prelude::*;
 use ropewalk::bvh::LeafOrder;
 use ropewalk::{
-    BuildOptions, DeviceKind, Mesh, Query, Ray, Scene, TraceOptions, Transform, Walk, catalogue, glam,
+    BuildOptions, Builder, DeviceKind, Mesh, Query, Ray, Scene, StructureKind, TraceError, TraceOptions,
+    Transform, Walk, catalogue, glam,
 };
 use ropewalk_testkit::compare::{across_queries, against_oracle, same_bits};
 use ropewalk_testkit::oracle::Oracle;
@@ -71,12 +72,21 @@ prop_compose! {
 }
 
 fn options() -> impl Strategy<Value = BuildOptions> {
-    (1u32..9, 1u32..20, 2u32..33, any::<bool>()).prop_map(|(max_leaf, max_depth, bins, left)| BuildOptions {
-        max_leaf,
-        max_depth,
-        bins,
-        leaf_order: if left { LeafOrder::Left } else { LeafOrder::Split },
-    })
+    let limits = (1u32..9, 1u32..20, 2u32..33);
+    let builder =
+        prop_oneof![1 => Just(Builder::BinnedSah), 1 => Just(Builder::SweepSah), 2 => Just(Builder::Sbvh)];
+    let duplication = prop_oneof![Just(0u32), Just(10), Just(400), 0u32..100];
+    (limits, builder, duplication, 0u32..3, any::<bool>()).prop_map(
+        |((max_leaf, max_depth, bins), builder, duplication, reinsertion, left)| BuildOptions {
+            builder,
+            max_leaf,
+            max_depth,
+            bins,
+            duplication,
+            reinsertion,
+            leaf_order: if left { LeafOrder::Left } else { LeafOrder::Split },
+        },
+    )
 }
 
 proptest! {
@@ -89,7 +99,7 @@ proptest! {
         options in options(),
     ) {
         let bvh = scene.build(&options).unwrap();
-        prop_assert!(bvh.validate().is_ok());
+        bvh.validate().map_err(|error| TestCaseError::fail(error.to_string()))?;
         let other = scene.build(&BuildOptions::default()).unwrap();
         let expectation = Oracle::of_scene(&scene).unwrap().expect(rays.clone());
         let counters = TraceOptions { counters: true };
@@ -97,9 +107,12 @@ proptest! {
             let reference = bvh.trace(Walk::BruteForce, query, &rays, counters).unwrap();
             against_oracle(&expectation, &reference).map_err(|error| TestCaseError::fail(error.to_string()))?;
             for walk in Walk::EVERY {
-                if catalogue::check(walk, query, DeviceKind::Cpu).is_ok() {
+                if catalogue::check(StructureKind::Bvh, walk, query, DeviceKind::Cpu).is_ok() {
                     for tree in [&bvh, &other] {
-                        let traced = tree.trace(walk, query, &rays, counters).unwrap();
+                        let traced = match tree.trace(walk, query, &rays, counters) {
+                            Err(TraceError::TooDeep { limit, .. }) if tree.report().depth > limit => continue,
+                            traced => traced.unwrap(),
+                        };
                         same_bits(&rays, &reference, &traced, false)
                             .map_err(|error| TestCaseError::fail(format!("{walk}: {error}")))?;
                     }

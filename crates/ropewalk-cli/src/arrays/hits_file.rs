@@ -31,7 +31,7 @@ fn write_hits(npz: &mut NpzWriter<impl Write + Seek>, hits: &[Hit]) -> io::Resul
     npz.array("primitive", hits.iter().map(|hit| hit.primitive_index))?;
     npz.array("geometry", hits.iter().map(|hit| hit.geometry_index))?;
     npz.array("instance", hits.iter().map(|hit| hit.instance_index))?;
-    npz.pairs("uv", hits.iter().map(|hit| hit.barycentrics.to_array()))?;
+    npz.rows("uv", hits.iter().map(|hit| hit.barycentrics.to_array()))?;
     npz.array("front_face", hits.iter().map(|hit| hit.front_face))
 }
 

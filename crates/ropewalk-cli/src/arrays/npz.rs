@@ -31,6 +31,7 @@ macro_rules! element {
 }
 
 element!(f32, "<f4");
+element!(f64, "<f8");
 element!(u32, "<u4");
 element!(u64, "<u8");
 
@@ -60,13 +61,13 @@ impl<W: Write + Seek> NpzWriter<W> {
         self.write(name, shape, values)
     }
 
-    /// Adds an array of rows of two.
-    pub(crate) fn pairs<T: Element>(
+    /// Adds an array of rows of `WIDTH` elements.
+    pub(crate) fn rows<T: Element, const WIDTH: usize>(
         &mut self,
         name: &str,
-        values: impl ExactSizeIterator<Item = [T; 2]>,
+        values: impl ExactSizeIterator<Item = [T; WIDTH]>,
     ) -> io::Result<()> {
-        let shape = vec![values.len() as u64, 2];
+        let shape = vec![values.len() as u64, WIDTH as u64];
         self.write(name, shape, values.flatten())
     }
 

@@ -2,6 +2,7 @@
 
 mod report;
 
+use crate::device_argument;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::scene_argument::{DEFAULT_SCENE, SceneArgument, scene_help};
@@ -10,7 +11,8 @@ use crate::{interrupt, output};
 use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use glam::Vec3;
-use ropewalk::{Query, StructureSpec, Walk, catalogue};
+use ropewalk::catalogue::{self, StackMemory, TrailOptions, TrailRegister};
+use ropewalk::{Query, StructureSpec, Walk};
 use ropewalk_gpu::{Device, DeviceChoice};
 use ropewalk_lab::Machine;
 use ropewalk_lab::bench::{BenchError, BenchSettings, SceneRecord, View, bench};
@@ -44,7 +46,7 @@ pub(crate) struct Arguments {
     /// What is built; see `ropewalk list`
     #[arg(long, value_name = "NAME[:key=value,...]", default_value_t)]
     structure: StructureSpec,
-    /// How rays go through it; all measures every walk through the hierarchy; may be given several times
+    /// How rays go through it; all measures one walk of each kind; may be given several times
     #[arg(long, value_name = "WALK|all", default_values_t = [Walks::One(Walk::default())])]
     walk: Vec<Walks>,
     /// Where to trace: cpu, gpu, gpu:NUMBER or gpu:PART-OF-A-NAME; may be given several times; by default
@@ -140,9 +142,26 @@ impl Walks {
     fn each(self) -> Vec<Walk> {
         match self {
             Self::One(walk) => vec![walk],
-            // Brute force over a large scene takes hours, and its rate is known beforehand.
-            Self::All => Walk::EVERY.into_iter().filter(|&walk| walk != Walk::BruteForce).collect(),
+            Self::All => Walk::EVERY.into_iter().filter(|&walk| is_worth_measuring(walk)).collect(),
         }
+    }
+}
+
+/// What `--walk all` measures: one walk for each thing that a choice is about.
+fn is_worth_measuring(walk: Walk) -> bool {
+    match walk {
+        // Over a large scene it takes hours, and its rate is known beforehand.
+        Walk::BruteForce => false,
+        // Sizes that differ. The smallest register that serves a tree is the fastest; beyond 8 entries nothing is
+        // dropped any more; of the memories of a GPU one size tells.
+        Walk::RestartTrail(TrailOptions { short_stack, register, memory }) => {
+            let sizes: &[u32] = match memory {
+                StackMemory::Private => &[0, 1, 4, 8],
+                StackMemory::Workgroup => &[4],
+            };
+            register == TrailRegister::Auto && sizes.contains(&short_stack)
+        }
+        Walk::Recursive | Walk::Stack(_) => true,
     }
 }
 
@@ -229,27 +248,19 @@ impl Arguments {
     fn devices(&self) -> Result<Vec<Device>, Failure> {
         let plain = [DeviceChoice::Cpu, DeviceChoice::Auto];
         let choices = if self.device.is_empty() { &plain[..] } else { &self.device };
-        let mut devices: Vec<Device> = Vec::new();
-        for choice in choices {
-            let opened = Device::open(choice)?;
-            // `auto` is the CPU where there is no graphics card, and it is measured once.
-            if devices.iter().any(|device| device.to_string() == opened.device.to_string()) {
-                continue;
-            }
-            if let Some(text) = opened.note {
-                output::note(&text);
-            }
-            devices.push(opened.device);
-        }
-        Ok(devices)
+        device_argument::open_each(choices)
     }
 }
 
 /// A device without any of the walks would be left out of the table without a word.
 fn check_walks(settings: &BenchSettings) -> Result<(), Failure> {
     for device in &settings.devices {
-        let checks =
-            || settings.walks.iter().map(|&walk| catalogue::check(walk, Query::Closest, device.kind()));
+        let checks = || {
+            settings
+                .walks
+                .iter()
+                .map(|&walk| catalogue::check(settings.structure.kind(), walk, Query::Closest, device.kind()))
+        };
         if checks().all(|check| check.is_err()) {
             checks().try_for_each(|check| check)?;
         }

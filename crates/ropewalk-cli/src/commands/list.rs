@@ -1,23 +1,27 @@
 //! `ropewalk list`: the catalogue, and the adapters of this machine.
 
+use super::points::listing;
 use crate::failure::Failure;
+use crate::families::{Family, KindRecord, families, kinds};
 use crate::output;
-use crate::table::{Align, Table};
 use clap::Args;
 use ropewalk::catalogue::{self, Row};
-use ropewalk::{BuildOptions, DeviceKind, StructureSpec, Walk};
+use ropewalk::{StructureSpec, Walk};
 use ropewalk_gpu::AdapterSummary;
 use serde::Serialize;
 use std::fmt::Write;
 
 const EXAMPLES: &str = "\
-Structures and walks are written NAME[:key=value,...] as they stand in the
-list, for --structure and --walk.
+Structures and walks are written NAME[:key=value,...], for --structure and
+--walk. In the list, values of a key stand with | or .. between them, and what
+may be left out in brackets. --json lists every single row that the conformance
+suite tries.
 
 Examples:
   ropewalk list
   ropewalk list --json
-  ropewalk render part.stl --walk stack:order=culled --device gpu:0";
+  ropewalk render part.stl --walk restart-trail:short-stack=2 --device gpu:0
+  ropewalk info part.stl --structure wide-bvh:width=4,builder=sbvh";
 
 /// The arguments of `ropewalk list`.
 #[derive(Args, Debug)]
@@ -31,7 +35,14 @@ pub(crate) struct Arguments {
 #[derive(Debug, Serialize)]
 struct Document {
     version: &'static str,
+    /// Every kind of structure, with its keys.
+    structures: Vec<KindRecord>,
+    /// The walks of each kind, in families.
+    walks: Vec<Family>,
+    /// Every row that the conformance suite tries.
     rows: Vec<RowRecord>,
+    /// The same for `ropewalk points`.
+    point_rows: Vec<listing::PointRowRecord>,
     adapters: Vec<AdapterRecord>,
 }
 
@@ -81,61 +92,34 @@ impl From<&Row> for RowRecord {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let rows = catalogue::rows();
     let adapters = ropewalk_gpu::adapters();
     if arguments.json {
         output::print_json(&Document {
             version: env!("CARGO_PKG_VERSION"),
-            rows: rows.iter().map(RowRecord::from).collect(),
+            structures: kinds(),
+            walks: families(),
+            rows: catalogue::rows().iter().map(RowRecord::from).collect(),
+            point_rows: listing::records(),
             adapters: adapters.iter().map(AdapterRecord::from).collect(),
         })
     } else {
-        output::print(&text(&rows, &adapters))
+        output::print(&text(&adapters))
     }
 }
 
-fn text(rows: &[Row], adapters: &[AdapterSummary]) -> String {
-    let mut table = Table::new(&[
-        ("structure", Align::Left),
-        ("walk", Align::Left),
-        ("queries on the CPU", Align::Left),
-        ("on a GPU", Align::Left),
-        ("what it is", Align::Left),
-    ]);
-    for (structure, walk) in combinations(rows) {
-        let queries = |device: DeviceKind| {
-            let names: Vec<&str> = rows
-                .iter()
-                .filter(|row| row.structure == structure && row.walk == walk && row.device == device)
-                .map(|row| row.query.name())
-                .collect();
-            if names.is_empty() { "-".to_owned() } else { names.join(" ") }
-        };
-        table.row([
-            structure.to_string(),
-            walk.to_string(),
-            queries(DeviceKind::Cpu),
-            queries(DeviceKind::Gpu),
-            walk.about().into(),
-        ]);
+fn text(adapters: &[AdapterSummary]) -> String {
+    let (kinds, families) = (kinds(), families());
+    let mut text = String::new();
+    for (index, kind) in kinds.iter().enumerate() {
+        if index > 0 {
+            text.push('\n');
+        }
+        structure(&mut text, kind);
+        text.push_str(&walks(&families, kind.structure));
     }
-    let plain = BuildOptions::default();
-    let mut text = table.to_string();
-    let _ = writeln!(
-        text,
-        "\nKeys of bvh: max-leaf={} (1 to 255), max-depth={} (1 to {}), bins={} (2 to {}), leaf-order=split (or left)",
-        plain.max_leaf,
-        plain.max_depth,
-        ropewalk::bvh::MAX_DEPTH,
-        plain.bins,
-        BuildOptions::MAX_BINS
-    );
-    let _ = writeln!(
-        text,
-        "Without --structure and --walk: {} and {}",
-        StructureSpec::default(),
-        Walk::default()
-    );
+    let (structure, walk) = (StructureSpec::default(), Walk::default());
+    let _ = writeln!(text, "\nWithout --structure and --walk: {structure} and {walk}");
+    let _ = write!(text, "\n{}", listing::text());
     if adapters.is_empty() {
         text.push_str("\nNo graphics adapter was found; every query runs on the CPU.\n");
     } else {
@@ -147,15 +131,37 @@ fn text(rows: &[Row], adapters: &[AdapterSummary]) -> String {
     text
 }
 
-/// The pairs of a structure and a walk, each once, in the catalogue's order.
-fn combinations(rows: &[Row]) -> Vec<(StructureSpec, Walk)> {
-    let mut pairs = Vec::new();
-    for row in rows {
-        if !pairs.contains(&(row.structure, row.walk)) {
-            pairs.push((row.structure, row.walk));
+/// A kind of structure with its keys, and what the conformance suite tries.
+fn structure(text: &mut String, kind: &KindRecord) {
+    let keys = kind.keys.iter().map(|key| format!("{}={} [{}]", key.key, key.values, key.default));
+    let _ = writeln!(text, "{}: {}", kind.structure, kind.about);
+    wrapped(text, "  keys [default]:", keys);
+    wrapped(text, "  as it is tried:", kind.tried.iter().cloned());
+}
+
+/// Words after a heading, as many a line as there is room for.
+fn wrapped(text: &mut String, heading: &str, words: impl Iterator<Item = String>) {
+    const WIDTH: usize = 110;
+    let mut line = heading.to_owned();
+    for word in words {
+        if line.len() + 1 + word.len() > WIDTH {
+            let _ = writeln!(text, "{line}");
+            line = " ".repeat(heading.len());
         }
+        let _ = write!(line, " {word}");
     }
-    pairs
+    let _ = writeln!(text, "{line}");
+}
+
+/// A walk a block, because the keys of some fill a line.
+fn walks(families: &[Family], structure: &str) -> String {
+    let mut text = String::new();
+    let queries = |names: &[&str]| if names.is_empty() { "-".to_owned() } else { names.join(" ") };
+    for family in families.iter().filter(|family| family.structure == structure) {
+        let (cpu, gpu) = (queries(&family.cpu), queries(&family.gpu));
+        let _ = writeln!(text, "  {}\n    {}\n    CPU {cpu:<22}  GPU {gpu}", family.walk, family.about);
+    }
+    text
 }
 
 #[cfg(test)]
@@ -163,20 +169,46 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_row_is_printed() {
-        let rows = catalogue::rows();
-        let text = text(&rows, &[]);
-        for row in &rows {
-            let line = text
-                .lines()
-                .filter(|line| {
-                    let mut words = line.split_whitespace();
-                    words.next() == Some(row.structure.to_string().as_str())
-                        && words.next() == Some(row.walk.to_string().as_str())
-                })
-                .collect::<Vec<_>>();
-            assert_eq!(line.len(), 1, "{row:?}");
-            assert!(line[0].split_whitespace().any(|word| word == row.query.name()), "{row:?}");
+    fn every_structure_and_every_family_is_printed() {
+        let text = text(&[]);
+        for spec in StructureSpec::every() {
+            let words = text.split_whitespace().filter(|word| *word == spec.to_string());
+            assert!(words.count() >= 1, "{spec}");
         }
+        for family in families() {
+            let queries = |names: &[&str]| if names.is_empty() { "-".to_owned() } else { names.join(" ") };
+            let block = format!(
+                "\n  {}\n    {}\n    CPU {:<22}  GPU {}\n",
+                family.walk,
+                family.about,
+                queries(&family.cpu),
+                queries(&family.gpu)
+            );
+            let section = text.split(&format!("{}: ", family.structure)).nth(1).unwrap();
+            let section = section.split("\n\n").next().unwrap();
+            assert!(format!("{section}\n").contains(&block), "{block} is not in {section}");
+        }
+        for kind in kinds() {
+            for key in kind.keys {
+                assert!(text.contains(&format!(" {}={} [{}]", key.key, key.values, key.default)), "{key:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_text_is_short_enough_to_be_read() {
+        let text = text(&[]);
+        assert!(text.lines().count() < 70, "{} lines", text.lines().count());
+        for line in text.lines() {
+            assert!(line.chars().count() <= 120, "{line}");
+        }
+    }
+
+    #[test]
+    fn long_lines_are_broken_between_words() {
+        let mut text = String::new();
+        wrapped(&mut text, "heading:", (0..30).map(|number| format!("number-{number}")));
+        assert!(text.lines().count() > 1 && text.lines().all(|line| line.len() <= 110), "{text}");
+        assert_eq!(text.split_whitespace().count(), 31);
     }
 }

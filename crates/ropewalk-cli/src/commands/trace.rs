@@ -1,7 +1,9 @@
 //! `ropewalk trace`: rays as data in, hits as data out.
 
 use crate::arrays::hits_file;
-use crate::arrays::rays_file::{InvalidRays, RaysFile};
+use crate::arrays::rays_file::RaysFile;
+use crate::arrays::rows::InvalidRows;
+use crate::commands::complete;
 use crate::device_argument::{self, DEVICE_HELP, DEVICE_LONG_HELP};
 use crate::failure::Failure;
 use crate::output::{self, OutputFile, note};
@@ -12,7 +14,7 @@ use crate::threads::MOST_THREADS;
 use crate::{structure, threads};
 use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
-use ropewalk::{CounterTotals, Query, Status, StructureSpec, TraceOptions, Traced, Walk};
+use ropewalk::{CounterTotals, Query, StructureSpec, TraceOptions, Traced, Walk};
 use ropewalk_gpu::DeviceChoice;
 use serde::Serialize;
 use std::fmt::Write;
@@ -120,10 +122,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.scene.check()?;
     let rays = RaysFile::open(&arguments.rays)?;
     let output = OutputFile::new(&arguments.output)?;
-    let device = device_argument::open(&arguments.device, arguments.walk, &[arguments.query])?;
+    let device = device_argument::open(&arguments.device, arguments.structure.kind(), arguments.walk, &[arguments.query])?;
     threads::run(arguments.threads, || {
         let scene = arguments.scene.load()?;
-        let invalid = if arguments.allow_invalid_rays { InvalidRays::Keep } else { InvalidRays::Refuse };
+        let invalid = InvalidRows::allowed(arguments.allow_invalid_rays);
         // Before the structure is built: bad rays are known at once.
         let rays = rays.read(scene.model.scene.origin, invalid)?;
         scene.note_defects();
@@ -138,18 +140,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         structure::note_defects(&built);
         let build_time = built.report().flatten_time + built.report().build_time;
         let traceable = device_argument::prepare(&arguments.device, &device, built)?;
-        let progress = Progress::spinner(format!("tracing {} rays", thousands(rays.rays.len())));
+        let progress = Progress::spinner(format!("tracing {} rays", thousands(rays.rows.len())));
         let options = TraceOptions { counters: arguments.stats };
         let start = Instant::now();
         let (traced, device_time) =
-            traceable.trace_timed(arguments.walk, arguments.query, &rays.rays, options)?;
+            traceable.trace_timed(arguments.walk, arguments.query, &rays.rows, options)?;
         let trace_time = start.elapsed();
         drop(progress);
-        check_complete(&traced)?;
+        complete::check(&traced.status, "rays")?;
         output.write(|writer| hits_file::write(writer, &traced.answer))?;
         let summary = Summary {
             scene: arguments.scene.to_string(),
-            rays: rays.rays.len(),
+            rays: rays.rows.len(),
             invalid_rays: rays.invalid,
             query: arguments.query.to_string(),
             structure: arguments.structure.to_string(),
@@ -161,28 +163,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             build_seconds: build_time.as_secs_f64(),
             trace_seconds: trace_time.as_secs_f64(),
             device_seconds: device_time.map(|time| time.as_secs_f64()),
-            rays_per_second: rate(rays.rays.len(), trace_time),
+            rays_per_second: rate(rays.rows.len(), trace_time),
             output: output.name().display().to_string(),
             stats: traced.totals().map(|totals| Stats::new(&totals)),
         };
         if arguments.json { output::print_json(&summary) } else { output::print(&summary.to_text()) }
     })
-}
-
-/// A ray whose walk was cut short has no answer: better none at all than a file with a wrong one in it.
-fn check_complete(traced: &Traced) -> Result<(), Failure> {
-    for (bit, what) in [
-        (Status::STEP_BUDGET, "took more steps than the walk's budget"),
-        (Status::STACK_OVERFLOW, "needed a deeper stack than the walk has"),
-    ] {
-        let count = traced.count_status(bit);
-        if count > 0 {
-            return Err(Failure::failed(format!(
-                "{count} rays {what} and have no answer: try another --walk or --device cpu; nothing was written"
-            )));
-        }
-    }
-    Ok(())
 }
 
 fn hit_count(traced: &Traced) -> Option<u64> {

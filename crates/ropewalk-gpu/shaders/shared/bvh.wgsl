@@ -1,5 +1,6 @@
-// A binary BVH in two buffers: the twin of ropewalk's bvh/node.rs and of FlatTriangle.
-// Source: the same; depth-first order, the first child beside its parent, the second child at the link.
+// A BVH in two buffers: the twin of ropewalk's bvh/node.rs and of FlatTriangle.
+// Source: the same. A binary tree is in depth-first order, the first child beside its parent, the second child at the
+//   link; for a wide one see shared/wide_bvh.
 // Invariants: each node is two loads of 16 bytes, each triangle three. They are loaded as integers: the words of
 //   identity may look like a NaN, which a driver may alter when it passes for a float.
 
@@ -11,7 +12,7 @@
 struct BvhNode {
     low: vec3<f32>,
     high: vec3<f32>,
-    // Inner: the index of the second child. Leaf: the index of the first triangle.
+    // Inner: the index of the second child, or of the wide node. Leaf: the index of the first triangle.
     link: u32,
     // Inner: 0. Leaf: the number of triangles.
     count: u32,
@@ -21,6 +22,11 @@ fn load_node(index: u32) -> BvhNode {
     let low = bvh_nodes[2u * index];
     let high = bvh_nodes[2u * index + 1u];
     return BvhNode(bitcast<vec3<f32>>(low.xyz), bitcast<vec3<f32>>(high.xyz), low.w, high.w);
+}
+
+// The part of a node that says where it leads.
+fn load_link_and_count(index: u32) -> vec2<u32> {
+    return vec2<u32>(bvh_nodes[2u * index].w, bvh_nodes[2u * index + 1u].w);
 }
 
 fn load_triangle(index: u32) -> Triangle {

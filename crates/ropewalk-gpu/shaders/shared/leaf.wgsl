@@ -3,7 +3,7 @@
 // Invariants: the triangles are tested in their order, and none after an offer that says enough.
 
 #import shared/bvh
-#import shared/collect
+#import #{COLLECT}
 #import shared/probe
 
 // Tests `count` triangles from `first` on. Whether the walk is over.

@@ -36,6 +36,13 @@ fn probe_primitive_test() {
 #endif
 }
 
+// A walk with a short stack or none goes back to the root.
+fn probe_restart() {
+#ifdef COUNTERS
+    counters.restarts += 1u;
+#endif
+}
+
 // The stack holds this many entries after a push.
 fn probe_stack_depth(entries: u32) {
 #ifdef COUNTERS

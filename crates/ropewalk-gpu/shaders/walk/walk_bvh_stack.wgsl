@@ -4,13 +4,8 @@
 //   and each node is entered once, so a budget of the number of nodes is never used up by a valid tree.
 
 #import shared/leaf
+#import shared/postponed
 #import shared/status
-
-// A child that waits, and where the ray enters it.
-struct Postponed {
-    node: u32,
-    entry: f32,
-}
 
 // Leads the ray through the tree; the status of the walk.
 fn walk_bvh(ray: PreparedRay, node_count: u32, step_budget: u32, collect: ptr<function, Collect>) -> u32 {

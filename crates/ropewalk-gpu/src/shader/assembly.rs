@@ -4,10 +4,13 @@
 //! |---|---|
 //! | `#import NAME` | that file stands here, unless it has been imported already |
 //! | `#ifdef NAME`, `#ifndef NAME`, `#else`, `#endif` | what follows counts where NAME is defined, or is not |
+//! | `#repeat NAME COUNT`, `#endrepeat` | what is between stands COUNT times, with NAME a constant: 0, 1, 2, ... |
 //! | `#{NAME}`, anywhere in a line | the text of the constant NAME |
 //!
 //! WGSL cannot size a private array by an `override`, so stack sizes must be text. WGSL lets a declaration be
-//! used before it is written, so imports may stand in any order and even form a ring.
+//! used before it is written, so imports may stand in any order and even form a ring. A loop that is written out has
+//! names instead of an array that is indexed, which a graphics card would keep in memory; and drivers that allow so
+//! many iterations do not count it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use thiserror::Error;
@@ -64,8 +67,9 @@ pub(super) fn assemble<'a>(
     let Some(text) = find(root) else {
         return Err(AssemblyError { file: root.into(), line: 0, what: "there is no such shader".into() });
     };
+    let imported = BTreeSet::from([root.to_string()]);
     let mut assembly =
-        Assembly { find, definitions, imported: BTreeSet::from([root.to_string()]), output: String::new() };
+        Assembly { find, definitions, imported, turns: BTreeMap::new(), output: String::new() };
     assembly.file(root, text)?;
     Ok(assembly.output)
 }
@@ -74,6 +78,8 @@ struct Assembly<'f, 'a> {
     find: &'f dyn Fn(&str) -> Option<&'a str>,
     definitions: &'f Definitions,
     imported: BTreeSet<String>,
+    /// The constants of the repeats that are under way, with their present values.
+    turns: BTreeMap<String, u32>,
     output: String,
 }
 
@@ -87,8 +93,15 @@ struct Condition {
 
 impl Assembly<'_, '_> {
     fn file(&mut self, name: &str, text: &str) -> Result<(), AssemblyError> {
+        let lines: Vec<(usize, &str)> = (1..).zip(text.lines()).collect();
+        self.lines(name, &lines)
+    }
+
+    fn lines(&mut self, name: &str, lines: &[(usize, &str)]) -> Result<(), AssemblyError> {
         let mut conditions: Vec<Condition> = Vec::new();
-        for (line, content) in (1..).zip(text.lines()) {
+        let mut rest = lines;
+        while let Some((&(line, content), behind)) = rest.split_first() {
+            rest = behind;
             let fail = |what: String| AssemblyError { file: name.into(), line, what };
             let counts = conditions.iter().all(|condition| condition.holds);
             let trimmed = content.trim_start();
@@ -105,7 +118,10 @@ impl Assembly<'_, '_> {
             if wants_argument && argument.is_empty() {
                 return Err(fail(format!("{directive} wants a name")));
             }
-            if !wants_argument && !argument.is_empty() && matches!(directive, "#else" | "#endif") {
+            if !wants_argument
+                && !argument.is_empty()
+                && matches!(directive, "#else" | "#endif" | "#endrepeat")
+            {
                 return Err(fail(format!("{directive} wants nothing after it, but '{argument}' follows")));
             }
             match directive {
@@ -139,6 +155,21 @@ impl Assembly<'_, '_> {
                         return Err(fail("#endif without a condition".into()));
                     }
                 }
+                "#repeat" => {
+                    let end =
+                        end_of_repeat(rest).ok_or_else(|| fail("this repeat has no #endrepeat".into()))?;
+                    let (body, behind) = rest.split_at(end);
+                    rest = behind.get(1..).unwrap_or_default();
+                    if counts {
+                        let (constant, count) = self.turns_of(argument).map_err(fail)?;
+                        for turn in 0..count {
+                            self.turns.insert(constant.into(), turn);
+                            self.lines(name, body)?;
+                        }
+                        self.turns.remove(constant);
+                    }
+                }
+                "#endrepeat" => return Err(fail("#endrepeat without a repeat".into())),
                 _ => return Err(fail(format!("'{directive}' is no directive"))),
             }
         }
@@ -152,6 +183,18 @@ impl Assembly<'_, '_> {
         }
     }
 
+    /// The name and the number in `NAME COUNT`.
+    fn turns_of<'l>(&self, argument: &'l str) -> Result<(&'l str, u32), String> {
+        let Some((constant, count)) = argument.split_once(char::is_whitespace) else {
+            return Err("#repeat wants a name and a number".into());
+        };
+        let count = self.fill_in(count.trim())?;
+        match count.parse() {
+            Ok(turns) if turns <= MOST_TURNS => Ok((constant, turns)),
+            _ => Err(format!("#repeat wants a number up to {MOST_TURNS}, not '{count}'")),
+        }
+    }
+
     /// Replaces every `#{NAME}`.
     fn fill_in(&self, line: &str) -> Result<String, String> {
         let mut filled = String::with_capacity(line.len());
@@ -160,16 +203,33 @@ impl Assembly<'_, '_> {
             let Some((name, after)) = after.split_once('}') else {
                 return Err("'#{' has no '}'".into());
             };
-            let Some(text) = self.definitions.get(name) else {
-                return Err(format!("the constant '{name}' is not defined"));
-            };
             filled.push_str(before);
-            filled.push_str(text);
+            match (self.turns.get(name), self.definitions.get(name)) {
+                (Some(turn), _) => filled.push_str(&turn.to_string()),
+                (None, Some(text)) => filled.push_str(text),
+                (None, None) => return Err(format!("the constant '{name}' is not defined")),
+            }
             rest = after;
         }
         filled.push_str(rest);
         Ok(filled)
     }
+}
+
+/// The most turns of a repeat: more than any node has children, and few enough for a text that a mistake makes.
+const MOST_TURNS: u32 = 64;
+
+/// Where the repeat ends of which these lines are the first.
+fn end_of_repeat(lines: &[(usize, &str)]) -> Option<usize> {
+    let mut open = 1;
+    lines.iter().position(|(_, content)| {
+        match content.trim_start().split(char::is_whitespace).next() {
+            Some("#repeat") => open += 1,
+            Some("#endrepeat") => open -= 1,
+            _ => {}
+        }
+        open == 0
+    })
 }
 
 #[cfg(test)]
@@ -213,6 +273,32 @@ mod tests {
     }
 
     #[test]
+    fn repeats_nest_and_count() {
+        let text = "#repeat I N\nlet a#{I};\n#repeat J 2\n#ifdef X\n#{I}#{J} #{N}\n#endif\n#endrepeat\n#endrepeat\nend";
+        let definitions = Definitions::new().text("N", 2);
+        let with = |count: &str| text.replace("#repeat I N", &format!("#repeat I {count}"));
+        let (written, named, none) = (with("2"), with("#{N}"), with("0"));
+        for text in [&written, &named] {
+            assert_eq!(run(&[("root", text)], &definitions).unwrap(), "let a0;\nlet a1;\nend\n");
+            let with_x = definitions.clone().flag("X", true);
+            let all = "let a0;\n00 2\n01 2\nlet a1;\n10 2\n11 2\nend\n";
+            assert_eq!(run(&[("root", text)], &with_x).unwrap(), all);
+        }
+        assert_eq!(run(&[("root", &none)], &definitions).unwrap(), "end\n");
+        // The constant is gone behind the repeat, and a repeat that does not count is not looked at.
+        let cases = [
+            ("#repeat I 2\n#endrepeat\n#{I}", "root:3: the constant 'I' is not defined"),
+            (
+                "#ifdef X\n#repeat\n#{I}\n#endrepeat\n#endif\n#endrepeat",
+                "root:6: #endrepeat without a repeat",
+            ),
+        ];
+        for (text, expected) in cases {
+            assert_eq!(run(&[("root", text)], &definitions).unwrap_err(), expected);
+        }
+    }
+
+    #[test]
     fn what_is_wrong_is_named_with_its_place() {
         let cases = [
             ("x\n#import gone", "root:2: there is no shader 'gone' to import"),
@@ -223,6 +309,13 @@ mod tests {
             ("#ifdef A\n#else\n#else\n#endif", "root:3: a second #else for the condition of line 1"),
             ("#{A", "root:1: '#{' has no '}'"),
             ("#define A", "root:1: '#define' is no directive"),
+            ("\n#repeat A 2\n#repeat B 2\n#endrepeat", "root:2: this repeat has no #endrepeat"),
+            ("#endrepeat", "root:1: #endrepeat without a repeat"),
+            ("#repeat A\n#endrepeat", "root:1: #repeat wants a name and a number"),
+            ("#repeat A B\n#endrepeat", "root:1: #repeat wants a number up to 64, not 'B'"),
+            ("#repeat A 65\n#endrepeat", "root:1: #repeat wants a number up to 64, not '65'"),
+            ("#repeat A -1\n#endrepeat", "root:1: #repeat wants a number up to 64, not '-1'"),
+            ("#repeat A 2\n#ifdef B\n#endrepeat", "root:2: this condition has no #endif"),
             ("#ifdef", "root:1: #ifdef wants a name"),
             ("#ifdef A\n#endif A", "root:2: #endif wants nothing after it, but 'A' follows"),
         ];

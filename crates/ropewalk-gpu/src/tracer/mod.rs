@@ -2,28 +2,36 @@
 //!
 //! A structure is uploaded once. A batch is cut into tiles; each tile is one submission that uploads its rays,
 //! zeroes its results, runs the kernel, and copies the results to where the CPU can read them. Two tiles are
-//! under way at a time, so that the CPU reads one while the device traces the next.
+//! under way at a time, so that the CPU reads one while the device traces the next. A batch that asks for all hits
+//! runs twice: to count them, and to write them.
 //!
 //! **Invariants.** Nothing is sent to wgpu that it would refuse: sizes are compared with the device's limits
 //! first, and what is left is caught by error scopes. Every ray's answer is known to have been written.
 
+mod all_hits;
+mod limits;
 mod pipelines;
+mod points;
 mod results;
 mod structure;
 mod tile;
 
+pub use points::GpuPoints;
 pub use structure::GpuStructure;
 
 use crate::{Gpu, GpuError};
+use all_hits::{Lists, Plan, counting_job};
+use limits::{HIT_BYTES, TileLimits};
 use pipelines::Pipelines;
 use results::Results;
-use ropewalk::{DeviceKind, Query, Ray, Structure, TraceOptions, Traced, Walk, catalogue};
+use ropewalk::{Answer, DeviceKind, Query, Ray, Structure, TraceOptions, Traced, Walk, catalogue};
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-use tile::{BatchUniform, Tile, TileBuffers};
+use tile::{BatchUniform, Job, Tile, TileBuffers};
 
-use crate::shader::{Kernel, ShaderLibrary};
+use crate::shader::{AnyKernel, Kernel, ShaderLibrary};
 
 /// Tiles under way at a time: one that the device traces, one that the CPU reads or writes.
 const TILES_UNDER_WAY: usize = 2;
@@ -34,9 +42,10 @@ const TILES_UNDER_WAY: usize = 2;
 pub struct TracerOptions {
     /// Whether shaders carry wgpu's index and loop checks. They change no answer.
     pub checked: bool,
-    /// Steps a ray may take; by default as many as the structure has nodes, which no walk uses up.
+    /// Steps a ray may take; by default so many that no walk uses them up.
     pub step_budget: Option<u32>,
-    /// Entries of each ray's stack; by default enough for the structure's depth.
+    /// Entries of each ray's stack; by default enough for the structure's depth. A short stack is as short as its walk
+    /// says.
     pub stack_entries: Option<u32>,
     /// Rays a submission; by default 262,144 on a graphics card and 32,768 on a software adapter, some
     /// milliseconds each, and fewer where a limit of the device wants it.
@@ -116,7 +125,8 @@ impl Tracer {
     /// Traces a batch.
     ///
     /// # Errors
-    /// When the catalogue has no such row for a graphics adapter, or the device fails.
+    /// When the catalogue has no such row for a graphics adapter, the structure is too deep for the walk, or the device
+    /// fails.
     pub fn trace(
         &self,
         structure: &GpuStructure,
@@ -125,15 +135,15 @@ impl Tracer {
         rays: &[Ray],
         options: TraceOptions,
     ) -> Result<GpuTraced, GpuError> {
-        catalogue::check(walk, query, DeviceKind::Gpu)?;
+        catalogue::check(structure.shape().tree.kind(), walk, query, DeviceKind::Gpu)?;
         let gpu = &self.inner.gpu;
         if !gpu.is_same(structure.gpu()) {
             return Err(GpuError::OtherDevice);
         }
-        self.trace_tiles(structure, walk, query, rays, options).map_err(|error| gpu.explain(error))
+        self.trace_batch(structure, walk, query, rays, options).map_err(|error| gpu.explain(error))
     }
 
-    fn trace_tiles(
+    fn trace_batch(
         &self,
         structure: &GpuStructure,
         walk: Walk,
@@ -141,75 +151,129 @@ impl Tracer {
         rays: &[Ray],
         options: TraceOptions,
     ) -> Result<GpuTraced, GpuError> {
-        let Inner { gpu, options: how, pipelines, .. } = &*self.inner;
-        let stack_entries = how.stack_entries.unwrap_or_else(|| Kernel::stack_entries_for(structure.depth()));
-        let kernel = Kernel { walk, query, counters: options.counters, stack_entries: stack_entries.max(1) };
-        let pipeline = pipelines.get(gpu, kernel)?;
+        let shape = structure.shape();
+        // Repeats can be told only when the hits are there.
+        let through_lists = query == Query::All || (query == Query::Count && shape.has_repeats);
+        let kernel = Kernel {
+            tree: shape.tree,
+            walk: shape.tree.resolve(walk, shape.depth)?,
+            query: if through_lists { Query::All } else { query },
+            counters: options.counters,
+            stack_entries: self.stack_entries(structure, walk),
+        };
+        let run = Run::new(&self.inner, structure, kernel)?;
+        let mut results = Results::new(kernel, rays.len());
+        let parts = rays.chunks(run.limits.rays);
+        if !through_lists {
+            let jobs = parts.map(|part| Job {
+                rays: Cow::Borrowed(bytemuck::cast_slice(part)),
+                ray_count: part.len() as u32,
+                result_words: part.len() * kernel.result_words(),
+            });
+            let device_time = run.trace(jobs, |words| results.append(words))?;
+            return Ok(GpuTraced { traced: results.into_traced(None), device_time });
+        }
+        let jobs = parts.map(|part| counting_job(kernel, part));
+        let counting_time = run.trace(jobs, |words| results.append(words))?;
+        let plan = Plan::new(kernel, results.words(), run.limits)?;
+        let mut lists = Lists::new(shape.has_repeats);
+        let writing_time = run.trace(plan.jobs(rays), |words| plan.read(&mut lists, words))?;
+        let lists = lists.into_lists(rays.len());
+        let answer = if query == Query::All {
+            Answer::All(lists)
+        } else {
+            Answer::Count(lists.offsets.windows(2).map(|pair| (pair[1] - pair[0]) as u32).collect())
+        };
+        let device_time = counting_time.zip(writing_time).map(|(counting, writing)| counting + writing);
+        Ok(GpuTraced { traced: results.into_traced(Some(answer)), device_time })
+    }
+
+    /// Entries of each ray's stack, in the sizes for which there are kernels; none where the walk brings its own.
+    fn stack_entries(&self, structure: &GpuStructure, walk: Walk) -> u32 {
+        if matches!(walk, Walk::RestartTrail(_)) {
+            return 0;
+        }
+        let needed = || Kernel::stack_entries_for(structure.shape().stack_entries);
+        self.inner.options.stack_entries.unwrap_or_else(needed).max(1)
+    }
+}
+
+/// One kernel on its way through the tiles of a batch.
+struct Run<'a> {
+    inner: &'a Inner,
+    structure: &'a GpuStructure,
+    pipeline: wgpu::ComputePipeline,
+    uniform: BatchUniform,
+    limits: TileLimits,
+}
+
+impl<'a> Run<'a> {
+    fn new(inner: &'a Inner, structure: &'a GpuStructure, kernel: Kernel) -> Result<Self, GpuError> {
+        let Inner { gpu, options, pipelines, .. } = inner;
+        let record_words = kernel.ray_words().max(kernel.result_words());
         let uniform = BatchUniform {
             ray_count: 0,
-            node_count: structure.node_count(),
-            step_budget: how.step_budget.unwrap_or_else(|| structure.node_count()),
+            node_count: structure.shape().node_count,
+            step_budget: options.step_budget.unwrap_or_else(|| structure.shape().step_budget(kernel.walk)),
             infinity: f32::INFINITY,
+            k: 0,
+            slack_share: 0.0,
         };
+        Ok(Self {
+            inner,
+            structure,
+            pipeline: pipelines.get(gpu, AnyKernel::Rays(kernel))?,
+            uniform,
+            limits: TileLimits::new(gpu, record_words, options.tile_rays)?,
+        })
+    }
 
-        let mut results = Results::new(kernel, rays.len());
+    /// Traces tiles and reads what each answers, in their order. The time that the kernel ran, where there is a clock.
+    fn trace<'j>(
+        &self,
+        mut jobs: impl Iterator<Item = Job<'j>>,
+        mut read: impl FnMut(&[u32]) -> Result<(), GpuError>,
+    ) -> Result<Option<Duration>, GpuError> {
+        let Inner { gpu, pipelines, .. } = self.inner;
         let mut device_time = gpu.has_timestamps().then_some(Duration::ZERO);
         let mut under_way: VecDeque<Tile> = VecDeque::with_capacity(TILES_UNDER_WAY);
-        let mut tiles = rays.chunks(self.tile_rays(kernel)?);
         loop {
-            let next = if under_way.len() < TILES_UNDER_WAY { tiles.next() } else { None };
-            if let Some(part) = next {
-                let buffers = self.take_buffers();
-                let uniform = BatchUniform { ray_count: part.len() as u32, ..uniform };
+            let next = if under_way.len() < TILES_UNDER_WAY { jobs.next() } else { None };
+            if let Some(job) = next {
+                let buffers = self.inner.take_buffers();
+                let uniform = BatchUniform { ray_count: job.ray_count, ..self.uniform };
                 let layout = pipelines.batch_layout();
                 under_way.push_back(Tile::submit(
-                    gpu, layout, buffers, &pipeline, structure, uniform, part, kernel,
+                    gpu,
+                    layout,
+                    buffers,
+                    &self.pipeline,
+                    self.structure,
+                    uniform,
+                    &job,
                 )?);
             } else if let Some(tile) = under_way.pop_front() {
-                let (time, buffers) = tile.finish(gpu, |words| results.append(words))?;
+                let (time, buffers) = tile.finish(gpu, &mut read)?;
                 if let (Some(sum), Some(time)) = (&mut device_time, time) {
                     *sum += time;
                 }
-                self.give_buffers(buffers);
+                self.inner.give_buffers(buffers);
             } else {
-                return Ok(GpuTraced { traced: results.into_traced(), device_time });
+                return Ok(device_time);
             }
         }
     }
+}
 
-    /// Rays a tile: what the options or the kind of device say, and what every limit of the device allows.
-    fn tile_rays(&self, kernel: Kernel) -> Result<usize, GpuError> {
-        let gpu = &self.inner.gpu;
-        let limits = gpu.device().limits();
-        let wanted = match self.inner.options.tile_rays {
-            Some(wanted) => u64::from(wanted.max(1)),
-            None if gpu.is_software() => 1 << 15,
-            None => 1 << 18,
-        };
-        let ray_bytes = size_of::<Ray>() as u64;
-        let result_bytes = (kernel.result_words() * size_of::<u32>()) as u64;
-        let bytes = ray_bytes.max(result_bytes);
-        let by_binding = limits.max_storage_buffer_binding_size / bytes;
-        let by_buffer = limits.max_buffer_size.saturating_sub(tile::TIMESTAMP_BYTES) / bytes;
-        let by_groups =
-            u64::from(limits.max_compute_workgroups_per_dimension) * u64::from(crate::gpu::WORKGROUP_SIZE);
-        match wanted.min(by_binding).min(by_buffer).min(by_groups) {
-            0 => Err(GpuError::TooLarge {
-                what: "rays of the smallest batch",
-                needed: bytes + tile::TIMESTAMP_BYTES,
-                limit: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
-                limit_name: "max_storage_buffer_binding_size and max_buffer_size",
-                way_out: "ask for a device with higher limits",
-            }),
-            rays => Ok(rays as usize),
-        }
-    }
-
+impl Inner {
     fn take_buffers(&self) -> TileBuffers {
-        self.inner.idle.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default()
+        self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default()
     }
 
     fn give_buffers(&self, buffers: TileBuffers) {
-        self.inner.idle.lock().unwrap_or_else(PoisonError::into_inner).push(buffers);
+        // A ray with more hits than a tile should have must not hold its memory for ever.
+        if buffers.result_bytes() <= HIT_BYTES {
+            self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(buffers);
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Pipelines, each made when it is first needed, and the bind group layouts that all of them share.
 
 use crate::scope::scoped;
-use crate::shader::{Kernel, ShaderLibrary};
+use crate::shader::{AnyKernel, ShaderLibrary};
 use crate::trusted::shader_module;
 use crate::{Gpu, GpuError};
 use std::collections::HashMap;
@@ -15,7 +15,7 @@ pub(super) struct Pipelines {
     layout: wgpu::PipelineLayout,
     library: ShaderLibrary,
     checked: bool,
-    made: Mutex<HashMap<Kernel, wgpu::ComputePipeline>>,
+    made: Mutex<HashMap<AnyKernel, wgpu::ComputePipeline>>,
 }
 
 impl Pipelines {
@@ -55,7 +55,7 @@ impl Pipelines {
     }
 
     /// The pipeline of a kernel.
-    pub(super) fn get(&self, gpu: &Gpu, kernel: Kernel) -> Result<wgpu::ComputePipeline, GpuError> {
+    pub(super) fn get(&self, gpu: &Gpu, kernel: AnyKernel) -> Result<wgpu::ComputePipeline, GpuError> {
         // Held while a pipeline is made: a second thread that wants it waits instead of making it again.
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(pipeline) = made.get(&kernel) {
@@ -70,7 +70,11 @@ impl Pipelines {
                 layout: Some(&self.layout),
                 module: &module,
                 entry_point: Some("trace"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    // A short stack reads nothing that it has not written.
+                    zero_initialize_workgroup_memory: self.checked,
+                    ..wgpu::PipelineCompilationOptions::default()
+                },
                 cache: None,
             })
         })?;

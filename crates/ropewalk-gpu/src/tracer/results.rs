@@ -5,23 +5,25 @@ use crate::shader::{Kernel, STATUS_WRITTEN};
 use ropewalk::glam::Vec2;
 use ropewalk::{Answer, Counters, Hit, Query, Status, Traced};
 
-/// The answers of a batch, tile after tile.
+/// What the kernel wrote for the rays of a batch, tile after tile.
 #[derive(Debug)]
 pub(super) struct Results {
     kernel: Kernel,
+    /// Of closest hits.
     hits: Vec<Hit>,
-    flags: Vec<bool>,
+    /// Of the other queries: whether there is a hit, or how many there are.
+    words: Vec<u32>,
     status: Vec<Status>,
     counters: Vec<Counters>,
 }
 
 impl Results {
     pub(super) fn new(kernel: Kernel, rays: usize) -> Self {
-        let any = kernel.query == Query::Any;
+        let closest = kernel.query == Query::Closest;
         Self {
             kernel,
-            hits: Vec::with_capacity(if any { 0 } else { rays }),
-            flags: Vec::with_capacity(if any { rays } else { 0 }),
+            hits: Vec::with_capacity(if closest { rays } else { 0 }),
+            words: Vec::with_capacity(if closest { 0 } else { rays }),
             status: Vec::with_capacity(rays),
             counters: Vec::with_capacity(if kernel.counters { rays } else { 0 }),
         }
@@ -30,70 +32,77 @@ impl Results {
     /// Takes the words of the next rays.
     pub(super) fn append(&mut self, words: &[u32]) -> Result<(), GpuError> {
         for record in words.chunks_exact(self.kernel.result_words()) {
-            let counted = match (self.kernel.query, record) {
-                (Query::Any, &[hit, status, ref counted @ ..]) => {
-                    self.status(status)?;
-                    self.flags.push(hit != 0);
-                    counted
-                }
-                (_, &[t, u, v, primitive, geometry, instance, front_face, status, ref counted @ ..]) => {
-                    self.status(status)?;
-                    self.hits.push(Hit {
-                        t: f32::from_bits(t),
-                        barycentrics: Vec2::new(f32::from_bits(u), f32::from_bits(v)),
-                        primitive_index: primitive,
-                        geometry_index: geometry,
-                        instance_index: instance,
-                        front_face: front_face != 0,
-                    });
-                    counted
-                }
-                // A record has as many words as the kernel says: one of the arms above takes it.
-                _ => return Err(GpuError::Unanswered { ray: self.status.len() }),
+            let unanswered = GpuError::Unanswered { ray: self.status.len() };
+            let (status, counted) = if self.kernel.query == Query::Closest {
+                let Some((hit, status)) = read_hit(record) else { return Err(unanswered) };
+                self.hits.push(hit);
+                (status, record.get(Kernel::HIT_WORDS..))
+            } else {
+                let Some((word, status)) = read_word(record) else { return Err(unanswered) };
+                self.words.push(word);
+                (status, record.get(2..))
             };
-            if let (
-                true,
-                &[inner_visits, leaf_visits, primitive_tests, restarts, stack_depth, objects_entered, ..],
-            ) = (self.kernel.counters, counted)
+            self.status.push(status);
+            if let (true, Some(counted)) = (self.kernel.counters, counted.and_then(<[u32]>::first_chunk::<6>))
             {
-                self.counters.push(Counters {
-                    inner_visits,
-                    leaf_visits,
-                    primitive_tests,
-                    restarts,
-                    stack_depth,
-                    objects_entered,
-                });
+                self.counters.push(bytemuck::cast(*counted));
             }
         }
         Ok(())
     }
 
-    pub(super) fn into_traced(self) -> Traced {
-        let answer = if self.kernel.query == Query::Any {
-            Answer::Any(self.flags)
-        } else {
-            Answer::Closest(self.hits)
+    /// The words of the rays: of an all-hits batch, how many hits each has.
+    pub(super) fn words(&self) -> &[u32] {
+        &self.words
+    }
+
+    /// The answers. An all-hits batch brings its own, since its hits are another matter.
+    pub(super) fn into_traced(self, all: Option<Answer>) -> Traced {
+        let answer = match (all, self.kernel.query) {
+            (Some(answer), _) => answer,
+            (None, Query::Any) => Answer::Any(self.words.iter().map(|&word| word != 0).collect()),
+            (None, Query::Count | Query::All) => Answer::Count(self.words),
+            (None, Query::Closest) => Answer::Closest(self.hits),
         };
         Traced { answer, status: self.status, counters: self.kernel.counters.then_some(self.counters) }
     }
+}
 
-    fn status(&mut self, word: u32) -> Result<(), GpuError> {
-        if word & STATUS_WRITTEN == 0 {
-            return Err(GpuError::Unanswered { ray: self.status.len() });
-        }
-        self.status.push(Status(word & !STATUS_WRITTEN));
-        Ok(())
-    }
+/// The hit and the status in eight words; `None` where no invocation wrote them.
+pub(super) fn read_hit(record: &[u32]) -> Option<(Hit, Status)> {
+    let &[t, u, v, primitive_index, geometry_index, instance_index, front_face, status, ..] = record else {
+        return None;
+    };
+    let hit = Hit {
+        t: f32::from_bits(t),
+        barycentrics: Vec2::new(f32::from_bits(u), f32::from_bits(v)),
+        primitive_index,
+        geometry_index,
+        instance_index,
+        front_face: front_face != 0,
+    };
+    Some((hit, written(status)?))
+}
+
+/// The word and the status in two words; `None` where no invocation wrote them.
+pub(super) fn read_word(record: &[u32]) -> Option<(u32, Status)> {
+    let &[word, status, ..] = record else { return None };
+    Some((word, written(status)?))
+}
+
+pub(super) fn written(status: u32) -> Option<Status> {
+    (status & STATUS_WRITTEN != 0).then_some(Status(status & !STATUS_WRITTEN))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shader::Tree;
     use ropewalk::Walk;
 
     fn results(query: Query, counters: bool) -> Results {
-        Results::new(Kernel { walk: Walk::default(), query, counters, stack_entries: 8 }, 2)
+        let (tree, walk) = (Tree::Binary, Walk::default());
+        Results::new(Kernel { tree, walk, query, counters, stack_entries: 8 }, 2)
     }
 
     #[test]
@@ -102,7 +111,7 @@ mod tests {
         let t = 2.5_f32.to_bits();
         let record = [t, 0, t, 7, 8, 9, 1, STATUS_WRITTEN | 2, 1, 2, 3, 4, 5, 6, 0, 0];
         closest.append(&record).unwrap();
-        let traced = closest.into_traced();
+        let traced = closest.into_traced(None);
         let hit = Hit {
             t: 2.5,
             barycentrics: Vec2::new(0.0, 2.5),
@@ -118,7 +127,13 @@ mod tests {
 
         let mut any = results(Query::Any, false);
         any.append(&[1, STATUS_WRITTEN, 0, STATUS_WRITTEN]).unwrap();
-        assert_eq!(any.into_traced().answer, Answer::Any(vec![true, false]));
+        assert_eq!(any.into_traced(None).answer, Answer::Any(vec![true, false]));
+
+        let mut count = results(Query::Count, true);
+        count.append(&[17, STATUS_WRITTEN | 1, 1, 2, 3, 4, 5, 6]).unwrap();
+        let traced = count.into_traced(None);
+        assert_eq!((traced.answer, traced.status), (Answer::Count(vec![17]), vec![Status::INVALID_RAY]));
+        assert_eq!(traced.counters, Some(vec![counters]));
     }
 
     #[test]
@@ -127,6 +142,8 @@ mod tests {
         let mut words = [0; 16];
         words[7] = STATUS_WRITTEN;
         assert_eq!(closest.append(&words), Err(GpuError::Unanswered { ray: 1 }));
-        assert_eq!(results(Query::Any, false).append(&[0, 0]), Err(GpuError::Unanswered { ray: 0 }));
+        for query in [Query::Any, Query::Count, Query::All] {
+            assert_eq!(results(query, false).append(&[0; 4]), Err(GpuError::Unanswered { ray: 0 }));
+        }
     }
 }

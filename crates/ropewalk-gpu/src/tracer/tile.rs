@@ -2,10 +2,10 @@
 
 use super::GpuStructure;
 use crate::scope::scoped;
-use crate::shader::{BATCH_GROUP, Kernel, STRUCTURE_GROUP};
+use crate::shader::{BATCH_GROUP, STRUCTURE_GROUP};
 use crate::{Gpu, GpuError};
 use bytemuck::{Pod, Zeroable};
-use ropewalk::Ray;
+use std::borrow::Cow;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
@@ -16,7 +16,7 @@ pub(super) const TIMESTAMP_BYTES: u64 = 16;
 /// machine swaps; the bound only keeps a broken driver from hanging the program.
 const NEWS_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// The numbers of a batch, `Batch` in `kernel/batch.wgsl`.
+/// The numbers of a batch, `Batch` in `kernel/batch.wgsl` and `kernel/points.wgsl`; the first does without the last two.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(super) struct BatchUniform {
@@ -24,6 +24,18 @@ pub(super) struct BatchUniform {
     pub(super) node_count: u32,
     pub(super) step_budget: u32,
     pub(super) infinity: f32,
+    pub(super) k: u32,
+    pub(super) slack_share: f32,
+}
+
+/// What a tile is about: not empty, and within the device's limits.
+#[derive(Clone, Debug)]
+pub(super) struct Job<'a> {
+    /// The rays' records.
+    pub(super) rays: Cow<'a, [u32]>,
+    pub(super) ray_count: u32,
+    /// Words that the kernel writes for all of them.
+    pub(super) result_words: usize,
 }
 
 /// The buffers of a tile. They grow to the largest tile they have seen and are used again.
@@ -49,6 +61,13 @@ struct Made {
 struct Clock {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
+}
+
+impl TileBuffers {
+    /// Bytes of results that they have room for.
+    pub(super) fn result_bytes(&self) -> u64 {
+        self.made.as_ref().map_or(0, |made| made.result_bytes)
+    }
 }
 
 impl Made {
@@ -100,11 +119,7 @@ pub(super) struct Tile {
 }
 
 impl Tile {
-    /// Sends a tile to the device. `rays` must not be empty and must fit the device's limits.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "one caller; a struct would only name the same things twice"
-    )]
+    /// Sends a tile to the device.
     pub(super) fn submit(
         gpu: &Gpu,
         layout: &wgpu::BindGroupLayout,
@@ -112,11 +127,10 @@ impl Tile {
         pipeline: &wgpu::ComputePipeline,
         structure: &GpuStructure,
         uniform: BatchUniform,
-        rays: &[Ray],
-        kernel: Kernel,
+        job: &Job<'_>,
     ) -> Result<Self, GpuError> {
-        let ray_bytes = size_of_val(rays) as u64;
-        let result_bytes = (rays.len() * kernel.result_words() * size_of::<u32>()) as u64;
+        let ray_bytes = size_of_val(&*job.rays) as u64;
+        let result_bytes = (job.result_words * size_of::<u32>()) as u64;
         let bytes = ray_bytes + 2 * result_bytes;
         let made = match buffers.made {
             Some(made) if made.ray_bytes >= ray_bytes && made.result_bytes >= result_bytes => made,
@@ -130,7 +144,7 @@ impl Tile {
         };
         let (sender, mapped) = mpsc::channel();
         let submission = scoped(gpu.device(), "a batch", bytes, || {
-            gpu.queue().write_buffer(&made.rays, 0, bytemuck::cast_slice(rays));
+            gpu.queue().write_buffer(&made.rays, 0, bytemuck::cast_slice(&job.rays));
             gpu.queue().write_buffer(&made.uniform, 0, bytemuck::bytes_of(&uniform));
             let label = Some("ropewalk batch");
             let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
@@ -146,7 +160,7 @@ impl Tile {
                 pass.set_pipeline(pipeline);
                 pass.set_bind_group(STRUCTURE_GROUP, structure.bind_group(), &[]);
                 pass.set_bind_group(BATCH_GROUP, &made.bind_group, &[]);
-                pass.dispatch_workgroups(uniform.ray_count.div_ceil(crate::gpu::WORKGROUP_SIZE), 1, 1);
+                pass.dispatch_workgroups(job.ray_count.div_ceil(crate::gpu::WORKGROUP_SIZE), 1, 1);
             }
             encoder.copy_buffer_to_buffer(&made.results, 0, &made.readback, 0, result_bytes);
             if let Some(clock) = &made.clock {

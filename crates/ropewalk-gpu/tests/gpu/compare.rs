@@ -1,6 +1,6 @@
 //! What it means that a device agrees with the CPU.
 
-use ropewalk::{Answer, Hit, Traced};
+use ropewalk::{Answer, Hit, HitLists, Traced};
 
 /// The largest relative difference of `t` on a device that does not round as the CPU does.
 const T_TOLERANCE: f32 = 1e-5;
@@ -22,6 +22,9 @@ pub(crate) fn compare(cpu: &Traced, gpu: &Traced, exact: bool) -> Result<(), Str
         }
         (Answer::Any(a), Answer::Any(b)) if a != b => return Err(first("flag", a, b, |a, b| a == b)),
         (Answer::Any(_), Answer::Any(_)) => {}
+        (Answer::Count(a), Answer::Count(b)) if a != b => return Err(first("count", a, b, |a, b| a == b)),
+        (Answer::Count(_), Answer::Count(_)) => {}
+        (Answer::All(a), Answer::All(b)) => compare_lists(a, b, exact)?,
         (a, b) => return Err(format!("{} was asked, {} is answered", a.query(), b.query())),
     }
     match (&cpu.counters, &gpu.counters) {
@@ -30,6 +33,18 @@ pub(crate) fn compare(cpu: &Traced, gpu: &Traced, exact: bool) -> Result<(), Str
         (Some(_), Some(_)) | (None, None) => Ok(()),
         _ => Err("one side has counters".into()),
     }
+}
+
+/// The same number of hits for each ray; then hit for hit.
+fn compare_lists(a: &HitLists, b: &HitLists, exact: bool) -> Result<(), String> {
+    if a.offsets != b.offsets {
+        return Err(first("offset", &a.offsets, &b.offsets, |a, b| a == b));
+    }
+    let same = |a: &Hit, b: &Hit| if exact { a.to_words() == b.to_words() } else { is_near(a, b) };
+    if a.hits.len() != b.hits.len() || !a.hits.iter().zip(&b.hits).all(|(a, b)| same(a, b)) {
+        return Err(first("hit of all", &a.hits, &b.hits, same));
+    }
+    Ok(())
 }
 
 fn first<T: std::fmt::Debug>(what: &str, a: &[T], b: &[T], same: impl Fn(&T, &T) -> bool) -> String {
@@ -73,6 +88,12 @@ mod tests {
             status: vec![Status::COMPLETE; 2],
             counters: Some(vec![Counters::default(); 2]),
         }
+    }
+
+    /// The first ray has none, the second has hits at these places.
+    fn lists(places: &[f32]) -> HitLists {
+        let hits = places.iter().map(|&t| Hit { t, primitive_index: 3, ..Hit::MISS });
+        HitLists { offsets: vec![0, 0, places.len() as u64], hits: hits.collect() }
     }
 
     fn harmed(harm: impl FnOnce(&mut Hit)) -> Traced {
@@ -127,6 +148,21 @@ mod tests {
             assert!(compare(&traced(), &shorter, exact).is_err());
             let flags = |flags: &[bool]| Traced { answer: Answer::Any(flags.to_vec()), ..traced() };
             assert!(compare(&flags(&[true, false]), &flags(&[true, true]), exact).is_err());
+        }
+        let sound = Traced { answer: Answer::All(lists(&[1.0, 2.0])), ..traced() };
+        let count = |count| Traced { answer: Answer::Count(vec![count, 2]), ..traced() };
+        for exact in [true, false] {
+            assert_eq!(compare(&sound, &sound, exact), Ok(()));
+            for wrong in [&[1.0, 3.0][..], &[1.0], &[2.0, 1.0]] {
+                let wrong = Traced { answer: Answer::All(lists(wrong)), ..traced() };
+                assert!(compare(&sound, &wrong, exact).is_err());
+            }
+            let mut moved = lists(&[1.0, 2.0]);
+            moved.offsets[1] = 1;
+            assert!(compare(&sound, &Traced { answer: Answer::All(moved), ..traced() }, exact).is_err());
+            assert_eq!(compare(&count(3), &count(3), exact), Ok(()));
+            assert!(compare(&count(3), &count(4), exact).is_err());
+            assert!(compare(&count(3), &sound, exact).is_err());
         }
         let one_visit_more = Counters { inner_visits: 1, ..Counters::default() };
         let counters = Some(vec![Counters::default(), one_visit_more]);

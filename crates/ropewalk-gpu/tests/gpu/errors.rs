@@ -1,9 +1,13 @@
 //! What does not work is said, with the limit, the need and the way out; nothing panics and nothing is cut off.
 
 use crate::machine::on_every_adapter;
-use crate::scenes;
+use crate::{scenes, trees};
+use ropewalk::bvh::StackOrder;
+use ropewalk::catalogue::is_offered;
+use ropewalk::wide_bvh::Width;
 use ropewalk::{
-    BuildOptions, CatalogueError, Mesh, Query, Ray, Scene, Status, Structure, TraceOptions, Walk, glam::Vec3,
+    BuildOptions, CatalogueError, DeviceKind, Mesh, Query, Ray, Scene, Status, Structure, TraceError,
+    TraceOptions, Walk, WideOptions, glam::Vec3,
 };
 use ropewalk_gpu::{Device, DeviceChoice, Gpu, GpuError, Tracer, adapters, wgpu};
 
@@ -11,12 +15,24 @@ fn structure() -> Structure {
     Structure::Bvh(Scene::from_mesh(scenes::sphere(20)).build(&BuildOptions::default()).unwrap())
 }
 
+fn wide_structure() -> Structure {
+    Structure::WideBvh(Scene::from_mesh(scenes::sphere(20)).build_wide(&WideOptions::default()).unwrap())
+}
+
+/// What the catalogue has for a structure on a device like these.
+fn offered(structure: &Structure) -> Vec<(Walk, Query)> {
+    let kind = structure.kind();
+    let of = |walk| Query::EVERY.map(|query| (walk, query));
+    let rows = Walk::EVERY.into_iter().flat_map(of);
+    rows.filter(|&(walk, query)| is_offered(kind, walk, query, DeviceKind::Gpu)).collect()
+}
+
 fn rays() -> Vec<Ray> {
     (0..500).map(|i| Ray::new(Vec3::new(-2.0, 0.001 * i as f32, 0.3), Vec3::X)).collect()
 }
 
 /// A device whose limits were lowered, as a caller might bring one.
-fn small_device(lower: impl Fn(&mut wgpu::Limits)) -> Option<Result<Gpu, GpuError>> {
+pub(crate) fn small_device(lower: impl Fn(&mut wgpu::Limits)) -> Option<Result<Gpu, GpuError>> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let adapter =
         pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all())).into_iter().next()?;
@@ -141,8 +157,8 @@ fn what_is_not_in_the_catalogue_is_refused() {
         for (walk, query) in [
             (Walk::BruteForce, Query::Closest),
             (Walk::Recursive, Query::Any),
-            (Walk::default(), Query::All),
-            (Walk::default(), Query::Count),
+            (Walk::Stack(StackOrder::Sorted), Query::All),
+            (Walk::Stack(StackOrder::Unordered), Query::Count),
         ] {
             let answer = machine.trusted.trace(&uploaded, walk, query, &rays(), TraceOptions::default());
             let Err(GpuError::Catalogue(CatalogueError(text))) = answer else { panic!("{answer:?}") };
@@ -153,19 +169,22 @@ fn what_is_not_in_the_catalogue_is_refused() {
 
 #[test]
 fn a_step_budget_that_is_used_up_is_reported() {
-    let (structure, rays) = (structure(), rays());
+    let rays = rays();
     on_every_adapter(|machine| {
-        let tracer = machine.tracer(|options| options.step_budget = Some(3));
-        let uploaded = tracer.upload(&structure).unwrap();
-        for walk in Walk::EVERY.into_iter().filter(|walk| matches!(walk, Walk::Stack(_))) {
-            for query in [Query::Closest, Query::Any] {
-                let traced =
-                    tracer.trace(&uploaded, walk, query, &rays, TraceOptions { counters: true }).unwrap();
-                let stopped = traced.traced.count_status(Status::STEP_BUDGET);
+        let tracer = machine.tracer(|options| options.step_budget = Some(2));
+        for structure in [structure(), wide_structure()] {
+            let uploaded = tracer.upload(&structure).unwrap();
+            for (walk, query) in offered(&structure) {
+                let traced = tracer
+                    .trace(&uploaded, walk, query, &rays, TraceOptions { counters: true })
+                    .unwrap()
+                    .traced;
+                let stopped = traced.count_status(Status::STEP_BUDGET);
                 assert!(stopped > rays.len() / 2, "{walk} {query}: {stopped}");
-                for (status, counters) in traced.traced.status.iter().zip(traced.traced.counters.unwrap()) {
+                assert!(traced.answer.rays_that_hit() <= rays.len());
+                for (status, counters) in traced.status.iter().zip(traced.counters.unwrap()) {
                     assert!(*status == Status::COMPLETE || *status == Status::STEP_BUDGET);
-                    assert!(counters.inner_visits <= 3, "{walk} {query}: {counters:?}");
+                    assert!(counters.inner_visits <= 2, "{walk} {query}: {counters:?}");
                 }
             }
         }
@@ -177,13 +196,44 @@ fn a_stack_that_is_full_is_reported() {
     let (structure, rays) = (structure(), rays());
     on_every_adapter(|machine| {
         let tracer = machine.tracer(|options| options.stack_entries = Some(1));
-        let uploaded = tracer.upload(&structure).unwrap();
-        for walk in Walk::EVERY.into_iter().filter(|walk| matches!(walk, Walk::Stack(_))) {
-            let options = TraceOptions { counters: true };
-            let traced = tracer.trace(&uploaded, walk, Query::Closest, &rays, options).unwrap().traced;
-            let full = traced.count_status(Status::STACK_OVERFLOW);
-            assert!(full > 0, "{walk}");
-            assert!(traced.counters.unwrap().iter().all(|counters| counters.stack_depth <= 1));
+        for structure in [structure.clone(), wide_structure()] {
+            let uploaded = tracer.upload(&structure).unwrap();
+            let stacks = offered(&structure).into_iter().filter(|(walk, _)| matches!(walk, Walk::Stack(_)));
+            for (walk, query) in stacks.filter(|(_, query)| *query != Query::Any) {
+                let options = TraceOptions { counters: true };
+                let traced = tracer.trace(&uploaded, walk, query, &rays, options).unwrap().traced;
+                let full = traced.count_status(Status::STACK_OVERFLOW);
+                assert!(full > 0, "{walk} {query}");
+                assert!(traced.counters.unwrap().iter().all(|counters| counters.stack_depth <= 1));
+            }
+        }
+    });
+}
+
+/// A tree that is too deep for a register is refused before anything is sent, with the depth that the register leads
+/// to; the array goes through every tree.
+#[test]
+fn a_tree_that_is_too_deep_is_refused() {
+    let rays = rays();
+    let wide = |levels| Structure::WideBvh(trees::wide_chain(Width::Four, levels));
+    let binary = |depth| Structure::Bvh(trees::chain(depth));
+    on_every_adapter(|machine| {
+        for (structure, register, depth, limit) in
+            [(binary(32), "u32", 32, 31), (binary(64), "u64", 64, 63), (wide(17), "u64", 17, 16)]
+        {
+            let uploaded = machine.trusted.upload(&structure).unwrap();
+            let walk: Walk = format!("restart-trail:short-stack=2,register={register}").parse().unwrap();
+            for query in Query::EVERY {
+                let answer = machine.trusted.trace(&uploaded, walk, query, &rays, TraceOptions::default());
+                let error = GpuError::Trace(TraceError::TooDeep { walk: walk.to_string(), depth, limit });
+                assert_eq!(answer, Err(error));
+            }
+            for register in ["auto", "array"] {
+                let walk = format!("restart-trail:short-stack=2,register={register}").parse().unwrap();
+                let traced =
+                    machine.trusted.trace(&uploaded, walk, Query::Closest, &rays, TraceOptions::default());
+                assert!(traced.unwrap().traced.status.iter().all(|status| status.is_complete()));
+            }
         }
     });
 }

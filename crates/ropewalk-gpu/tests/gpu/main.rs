@@ -3,12 +3,16 @@
 //!
 //! Without an adapter they fail where the environment has `CI`, and say elsewhere that they were skipped.
 
+mod all_hits;
 mod broken;
 mod compare;
 mod conformance;
 mod errors;
 mod machine;
+mod points;
 mod rays;
 mod scenes;
 mod surface;
+mod trails;
+mod trees;
 mod twins;

@@ -54,7 +54,7 @@ fn quad(z: f32) -> Mesh {
 }
 
 /// Triangles of very different sizes and needles, all over the place.
-fn soup(triangles: u32) -> Mesh {
+pub(crate) fn soup(triangles: u32) -> Mesh {
     let mut random = Random::new(7);
     let mut mesh = Mesh::default();
     for index in 0..triangles {
@@ -69,7 +69,7 @@ fn soup(triangles: u32) -> Mesh {
 }
 
 /// Quads in all three axis planes at whole numbers: rays of whole numbers run in faces and through vertices.
-fn lattice() -> Mesh {
+pub(crate) fn lattice() -> Mesh {
     let mut mesh = Mesh::default();
     for axis in 0..3 {
         for plane in -2..=2 {
@@ -131,7 +131,7 @@ pub(crate) fn sphere(rings: u32) -> Mesh {
 }
 
 /// Two objects, one of several geometries, placed with turns, mirrors, shears and masks, some on top of each other.
-fn instances() -> Scene {
+pub(crate) fn instances() -> Scene {
     let mut scene = Scene::default();
     let ball = scene.add_object(sphere(6));
     let parts =

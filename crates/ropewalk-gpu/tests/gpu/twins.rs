@@ -2,33 +2,45 @@
 
 use crate::compare::compare;
 use crate::machine::on_every_adapter;
-use crate::{rays, scenes};
+use crate::scenes::Case;
+use crate::trails::cpu_twin;
+use crate::{rays, scenes, trees};
 use ropewalk::bvh::StackOrder;
-use ropewalk::{Answer, BuildOptions, Query, Ray, Scene, Status, Structure, TraceOptions, Walk, glam::Vec3};
+use ropewalk::catalogue::is_offered;
+use ropewalk::wide_bvh::Width;
+use ropewalk::{
+    Answer, BuildOptions, DeviceKind, Query, Ray, Scene, Status, Structure, TraceOptions, Walk, glam::Vec3,
+};
 
 const COUNTED: TraceOptions = TraceOptions { counters: true };
 const PLAIN: TraceOptions = TraceOptions { counters: false };
 
-/// One walk against the CPU's walk of the same name: every scene, both queries, with and without wgpu's checks,
-/// with and without counters.
-fn agree(order: StackOrder) {
-    let walk = Walk::Stack(order);
+/// One walk against the CPU's walk of the same name: every case, every query that it answers, with and without wgpu's
+/// checks, with and without counters.
+fn agree(walk: Walk, cases: &[Case]) {
     on_every_adapter(|machine| {
-        for case in scenes::every() {
+        for case in cases {
             let rays = rays::against(&case.structure);
             let uploaded = machine.trusted.upload(&case.structure).unwrap();
-            for query in [Query::Closest, Query::Any] {
-                let cpu = case.structure.trace(walk, query, &rays, COUNTED).unwrap();
-                for (kind, tracer) in [("trusted", &machine.trusted), ("checked", &machine.checked)] {
-                    let gpu = tracer.trace(&uploaded, walk, query, &rays, COUNTED).unwrap().traced;
-                    if let Err(difference) = compare(&cpu, &gpu, machine.is_exact()) {
-                        panic!("{walk} {query}, {}, {kind}: {difference}", case.name);
-                    }
+            let kind = case.structure.kind();
+            for query in
+                Query::EVERY.into_iter().filter(|&query| is_offered(kind, walk, query, DeviceKind::Gpu))
+            {
+                let cpu = case.structure.trace(cpu_twin(walk), query, &rays, COUNTED).unwrap();
+                let plain = ropewalk::Traced { counters: None, ..cpu.clone() };
+                // Each is a kernel that is compiled: of the other queries, the checked one without counters says enough.
+                let mut ways =
+                    vec![("trusted", &machine.trusted, COUNTED), ("checked", &machine.checked, PLAIN)];
+                if query == Query::Closest {
+                    ways.push(("checked", &machine.checked, COUNTED));
+                    ways.push(("trusted", &machine.trusted, PLAIN));
                 }
-                let gpu = machine.trusted.trace(&uploaded, walk, query, &rays, PLAIN).unwrap().traced;
-                let cpu = ropewalk::Traced { counters: None, ..cpu };
-                if let Err(difference) = compare(&cpu, &gpu, machine.is_exact()) {
-                    panic!("{walk} {query}, {}, without counters: {difference}", case.name);
+                for (kind, tracer, options) in ways {
+                    let cpu = if options.counters { &cpu } else { &plain };
+                    let gpu = tracer.trace(&uploaded, walk, query, &rays, options).unwrap().traced;
+                    if let Err(difference) = compare(cpu, &gpu, machine.is_exact()) {
+                        panic!("{walk} {query}, {}, {kind}, {options:?}: {difference}", case.name);
+                    }
                 }
             }
         }
@@ -37,22 +49,48 @@ fn agree(order: StackOrder) {
 
 #[test]
 fn unordered_agrees() {
-    agree(StackOrder::Unordered);
+    agree(Walk::Stack(StackOrder::Unordered), &scenes::every());
 }
 
 #[test]
 fn culled_agrees() {
-    agree(StackOrder::Culled);
+    agree(Walk::Stack(StackOrder::Culled), &scenes::every());
 }
 
 #[test]
 fn sorted_agrees() {
-    agree(StackOrder::Sorted);
+    agree(Walk::Stack(StackOrder::Sorted), &scenes::every());
 }
 
 #[test]
 fn ordered_agrees() {
-    agree(StackOrder::Ordered);
+    let cases: Vec<Case> = scenes::every().into_iter().chain(trees::chains()).chain(trees::split()).collect();
+    agree(Walk::Stack(StackOrder::Ordered), &cases);
+}
+
+#[test]
+fn ordered_agrees_on_wide_trees() {
+    agree(Walk::default(), &trees::wide(Width::Four));
+    agree(Walk::default(), &trees::wide(Width::Eight));
+}
+
+/// The register of the default goes with the depth: all three of binary trees, both of wide ones.
+#[test]
+fn restart_trails_agree() {
+    let cases: Vec<Case> = scenes::every().into_iter().chain(trees::chains()).chain(trees::split()).collect();
+    for trail in ["short-stack=0", "short-stack=3", "short-stack=4,memory=workgroup"] {
+        agree(format!("restart-trail:{trail}").parse().unwrap(), &cases);
+    }
+}
+
+#[test]
+fn restart_trails_agree_on_wide_trees() {
+    for width in [Width::Four, Width::Eight] {
+        let cases = trees::wide(width);
+        for trail in ["short-stack=0", "short-stack=5", "short-stack=3,memory=workgroup"] {
+            agree(format!("restart-trail:{trail}").parse().unwrap(), &cases);
+        }
+    }
 }
 
 /// The scenes and rays above are worth something only if they do what their names say.
@@ -112,7 +150,7 @@ fn no_rays_are_an_answer_too() {
     let structure = sphere();
     on_every_adapter(|machine| {
         let uploaded = machine.trusted.upload(&structure).unwrap();
-        for query in [Query::Closest, Query::Any] {
+        for query in Query::EVERY {
             let gpu = machine.trusted.trace(&uploaded, Walk::default(), query, &[], COUNTED).unwrap().traced;
             let cpu = structure.trace(Walk::default(), query, &[], COUNTED).unwrap();
             assert_eq!(compare(&cpu, &gpu, true), Ok(()));

@@ -31,20 +31,20 @@ pub struct Disagreement {
 
 /// Compares answers as exactly as a device can give them.
 #[derive(Clone, Debug)]
-pub(super) struct Judge {
+pub(crate) struct Judge {
     /// For hardware; without it answers must be the same bits.
     oracle: Option<Oracle>,
 }
 
 impl Judge {
     /// For devices of which one may be hardware.
-    pub(super) fn new(scene: &FlatScene, devices: &[Device]) -> Self {
+    pub(crate) fn new(scene: &FlatScene, devices: &[Device]) -> Self {
         let oracle = || Oracle::new(scene).with_rounding(Oracle::RELAXED);
         Self { oracle: devices.iter().any(is_hardware).then(oracle) }
     }
 
     /// What was seen, or what is wrong with the first wrong answer.
-    pub(super) fn compare(
+    pub(crate) fn compare(
         &self,
         device: &Device,
         rays: &[Ray],

@@ -67,7 +67,8 @@ pub(super) fn make<'a>(
             Device::Gpu(_) => vec![None],
         };
         let offered = |walk: &&Walk| {
-            Query::EVERY.iter().any(|&query| catalogue::is_offered(**walk, query, device.kind()))
+            let of = |&query: &Query| catalogue::is_offered(structure.kind(), **walk, query, device.kind());
+            Query::EVERY.iter().any(of)
         };
         for &walk in settings.walks.iter().filter(offered) {
             for &pool in &pools {
@@ -89,7 +90,8 @@ impl Lane<'_> {
     /// have is left out.
     pub(super) fn verify(&mut self, judge: &Judge, batch: &Batch) -> Result<(), BenchError> {
         let mut samples = Samples::default();
-        if catalogue::is_offered(self.walk, batch.query, self.traceable.device().kind()) {
+        let (structure, device) = (self.traceable.structure(), self.traceable.device());
+        if catalogue::is_offered(structure.kind(), self.walk, batch.query, device.kind()) {
             let counted = self.trace(batch, TraceOptions { counters: true })?.0;
             let plain = self.trace(batch, TraceOptions::default())?.0;
             samples.totals = counted.totals();

@@ -19,7 +19,7 @@ pub use agreement::{Agreement, Disagreement};
 pub use record::{BuildRecord, ClassRecord, LaneRecord, RateRecord, SceneRecord, Work};
 pub use ropewalk_testkit::rays::View;
 
-use agreement::Judge;
+pub(crate) use agreement::Judge;
 use batches::Batch;
 use lanes::Lane;
 use ropewalk::{BuildError, Scene, Structure, StructureSpec, Walk};
@@ -184,6 +184,7 @@ fn record(
     SceneRecord {
         scene: name.into(),
         triangles: scene.triangle_count(),
+        references: report.references,
         structure: settings.structure.to_string(),
         nodes: report.nodes,
         leaves: report.leaves,

@@ -11,6 +11,8 @@ pub struct SceneRecord {
     pub scene: String,
     /// Triangles with instances counted.
     pub triangles: usize,
+    /// References to triangles in the leaves: more than there are triangles where spatial splits put some into several.
+    pub references: usize,
     /// What was built.
     pub structure: String,
     /// Its nodes.

@@ -8,11 +8,14 @@ mod input;
 mod scale;
 mod shape;
 mod ties;
+mod tree;
+
+pub use tree::Tree;
 
 use crate::random::Random;
 use crate::rays::{RayClass, RayMaker};
 use glam::DVec3;
-use ropewalk::{FlatScene, Hit, PreparedRay, Ray, Scene, StructureSpec};
+use ropewalk::{BuildOptions, FlatScene, Hit, PreparedRay, Ray, Scene, StructureSpec};
 use std::ops::Range;
 
 /// A scene, and what is asked of it.
@@ -30,6 +33,8 @@ pub struct Case {
     pub classes: Vec<(RayClass, Range<usize>)>,
     /// Depth caps to build with, besides the structure's own, with one triangle a leaf.
     pub depth_caps: &'static [u32],
+    /// Depths of chains that are asked besides, whatever a builder would make.
+    pub chains: &'static [u32],
     /// How many triangles of the scene must be left out as bad input.
     pub skipped: usize,
 }
@@ -60,8 +65,16 @@ impl Case {
         let seed = name.bytes().fold(17u64, |seed, byte| seed.wrapping_mul(31).wrapping_add(u64::from(byte)));
         let maker = RayMaker::new(&flat, seed);
         let closest = |rays: &[Ray]| rays.iter().map(|ray| closest_by_force(&flat, ray)).collect();
-        let mut case =
-            Self { name, about, scene, rays: vec![], classes: vec![], depth_caps: &[], skipped: 0 };
+        let mut case = Self {
+            name,
+            about,
+            scene,
+            rays: vec![],
+            classes: vec![],
+            depth_caps: &[],
+            chains: &[],
+            skipped: 0,
+        };
         for class in RayClass::EVERY {
             case.add(class, maker.make(class, RAYS_A_CLASS, &closest));
         }
@@ -92,16 +105,18 @@ impl Case {
         Self { depth_caps, ..self }
     }
 
-    /// The structures to build for a row: its own, and one for each depth cap.
+    fn with_chains(self, chains: &'static [u32]) -> Self {
+        Self { chains, ..self }
+    }
+
+    /// The trees to ask for a row: its own, one for each depth cap, and chains.
     #[must_use]
-    pub fn structures(&self, row: StructureSpec) -> Vec<StructureSpec> {
-        let mut structures = vec![row];
-        if let StructureSpec::Bvh(options) = row {
-            structures.extend(self.depth_caps.iter().map(|&max_depth| {
-                StructureSpec::Bvh(ropewalk::BuildOptions { max_depth, max_leaf: 1, ..options })
-            }));
-        }
-        structures
+    pub fn trees(&self, row: StructureSpec) -> Vec<Tree> {
+        let capped = self.depth_caps.iter().map(|&max_depth| {
+            row.with_build_options(BuildOptions { max_depth, max_leaf: 1, ..*row.build_options() })
+        });
+        let built = std::iter::once(row).chain(capped).map(Tree::built);
+        built.chain(Tree::chains(row, self.chains)).collect()
     }
 }
 

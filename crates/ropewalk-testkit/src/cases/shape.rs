@@ -33,10 +33,11 @@ pub(super) const RECIPES: &[Recipe] = &[
     ("chain", |name| {
         Case::new(name, "triangles of sizes 2^-k: a tree as deep as it may be", chain())
             .with_rays(RayClass::Random, along_the_chain())
-            .with_depth_caps(&[64, 31, 8, 2])
+            .with_depth_caps(&[63, 31, 8, 2])
+            .with_chains(&[31, 32, 63, 64])
     }),
     ("concentric", |name| {
-        Case::new(name, "all centres equal: no plane separates them", concentric()).with_depth_caps(&[64, 3])
+        Case::new(name, "all centres equal: no plane separates them", concentric()).with_depth_caps(&[63, 3])
     }),
 ];
 

@@ -1,12 +1,15 @@
 //! What is checked of a case: see [`super`].
 
-use super::counters;
-use super::{Accuracy, Failure, Judged, Report};
-use crate::cases::Case;
+use super::work::is_same_work;
+use super::{Accuracy, Failure, Judged, Report, counters, relations};
+use crate::cases::{Case, Tree};
 use crate::compare::{Mismatch, Summary, across_queries, against_oracle, nearly, same_bits};
 use crate::rays::RayClass;
-use ropewalk::catalogue::{Row, is_offered};
-use ropewalk::{Answer, Counters, DeviceKind, Query, Structure, StructureSpec, TraceOptions, Traced, Walk};
+use ropewalk::catalogue::{Row, StackMemory, TrailOptions, is_offered};
+use ropewalk::{
+    Answer, BuildOptions, BuildReport, Builder, Counters, DeviceKind, Query, Structure, StructureSpec,
+    TraceOptions, Traced, Walk,
+};
 
 /// A row's answers for one case and structure.
 pub(super) struct Run {
@@ -15,29 +18,32 @@ pub(super) struct Run {
     pub(super) counted: Traced,
 }
 
+/// The first answer to a query: what all later rows are compared with.
+struct First {
+    row: Row,
+    traced: Traced,
+    /// What the oracle saw, where it had nothing to object.
+    truth: Option<Summary>,
+}
+
 /// One case on its way through all structures and rows.
 pub(super) struct Bench<'a> {
     pub(super) judged: &'a Judged,
     pub(super) accuracy: Accuracy,
     pub(super) rows: &'a [Row],
-    report: &'a mut Report,
-    /// The first answer to each query: what all later rows are compared with.
-    first: Vec<(Row, Traced)>,
+    report: Report,
+    first: Vec<First>,
     /// The counters of walks that do not cull, which the order of children must not change.
-    unculled: Vec<(usize, StructureSpec, Vec<Counters>)>,
+    unculled: Vec<(usize, Tree, Vec<Counters>)>,
 }
 
 impl<'a> Bench<'a> {
-    pub(super) fn new(
-        judged: &'a Judged,
-        accuracy: Accuracy,
-        rows: &'a [Row],
-        report: &'a mut Report,
-    ) -> Self {
+    pub(super) fn new(judged: &'a Judged, accuracy: Accuracy, rows: &'a [Row]) -> Self {
+        let report = Report::new(rows);
         Self { judged, accuracy, rows, report, first: Vec::new(), unculled: Vec::new() }
     }
 
-    pub(super) fn fail(&mut self, row: usize, structure: StructureSpec, what: impl Into<String>) {
+    pub(super) fn fail(&mut self, row: usize, structure: Tree, what: impl Into<String>) {
         let failure = Failure { case: self.judged.case.name, structure, what: what.into() };
         self.report.rows[row].failures.push(failure);
     }
@@ -51,17 +57,17 @@ impl<'a> Bench<'a> {
         }
     }
 
-    pub(super) fn judge(&mut self, structure: &Structure, variant: StructureSpec, runs: Vec<Run>) {
+    pub(super) fn judge(&mut self, structure: &Structure, tree: Tree, runs: Vec<Run>) {
         for run in &runs {
-            self.judge_run(structure, variant, run);
+            self.judge_run(structure, tree, run);
         }
         if self.accuracy == Accuracy::Exact {
             // A real GPU may fuse other operations in the kernel of another query.
-            self.judge_walks(variant, &runs);
+            self.judge_walks(tree, &runs);
             let counted: Vec<_> =
                 runs.iter().map(|run| (run.row, self.rows[run.row], &run.counted)).collect();
-            for (row, what) in counters::relations(&self.judged.case, &counted) {
-                self.fail(row, variant, what);
+            for (row, what) in relations::relations(structure.kind(), &self.judged.case, &counted) {
+                self.fail(row, tree, what);
             }
         }
         for run in runs {
@@ -70,24 +76,30 @@ impl<'a> Bench<'a> {
             if let (true, Query::Closest, Some(counters)) =
                 (row.walk == unculled, row.query, run.counted.counters)
             {
-                self.unculled.push((run.row, variant, counters));
+                self.unculled.push((run.row, tree, counters));
             }
         }
     }
 
     /// Demands that the answers of each walk to different queries agree.
-    fn judge_walks(&mut self, variant: StructureSpec, runs: &[Run]) {
-        for walk in Walk::EVERY {
+    fn judge_walks(&mut self, tree: Tree, runs: &[Run]) {
+        let mut judged: Vec<Walk> = Vec::new();
+        for run in runs {
+            let walk = self.rows[run.row].walk;
+            if judged.contains(&walk) {
+                continue;
+            }
+            judged.push(walk);
             let same_walk = |run: &&Run| self.rows[run.row].walk == walk;
             let of_walk: Vec<&Traced> = runs.iter().filter(same_walk).map(|run| &run.counted).collect();
             if let Err(mismatch) = across_queries(&self.judged.case.rays, &of_walk) {
                 let all: Vec<usize> = runs.iter().filter(same_walk).map(|run| run.row).collect();
-                all.into_iter().for_each(|row| self.fail(row, variant, mismatch.to_string()));
+                all.into_iter().for_each(|row| self.fail(row, tree, mismatch.to_string()));
             }
         }
     }
 
-    fn judge_run(&mut self, structure: &Structure, variant: StructureSpec, run: &Run) {
+    fn judge_run(&mut self, structure: &Structure, tree: Tree, run: &Run) {
         let row = self.rows[run.row];
         let mut wrong = Vec::new();
         let mut note = |what: &str, result: Result<Summary, Mismatch>| match result {
@@ -97,16 +109,24 @@ impl<'a> Bench<'a> {
                 None
             }
         };
-        let truth = note("against the oracle", against_oracle(&self.judged.expectation, &run.counted));
-        note("without counters", self.agree(&run.counted, &run.plain, false));
-        let first = self.first.iter().find(|(first, _)| first.query == row.query);
-        let agreed = first.and_then(|(first, traced)| {
-            let what = format!("against {} on {} ({})", first.walk, first.structure, first.device);
-            note(&what, self.agree(traced, &run.counted, false))
+        let first = self.first.iter().find(|first| first.row.query == row.query);
+        let agreed = first.map(|first| {
+            let what =
+                format!("against {} on {} ({})", first.row.walk, first.row.structure, first.row.device);
+            note(&what, self.agree(&first.traced, &run.counted, false))
         });
-        if row.device == DeviceKind::Gpu && is_offered(row.walk, row.query, DeviceKind::Cpu) {
+        // What is the same to the bit as a true answer is true: the oracle need not say so again.
+        let known = match (first, agreed, self.accuracy) {
+            (Some(first), Some(Some(_)), Accuracy::Exact) => first.truth,
+            _ => None,
+        };
+        let truth = known
+            .or_else(|| note("against the oracle", against_oracle(&self.judged.expectation, &run.counted)));
+        note("without counters", self.agree(&run.counted, &run.plain, false));
+        let twin = twin(row.walk);
+        if row.device == DeviceKind::Gpu && is_offered(structure.kind(), twin, row.query, DeviceKind::Cpu) {
             let options = TraceOptions { counters: true };
-            match structure.trace(row.walk, row.query, &self.judged.case.rays, options) {
+            match structure.trace(twin, row.query, &self.judged.case.rays, options) {
                 Ok(twin) => drop(note("against its twin on the cpu", self.agree(&twin, &run.counted, true))),
                 Err(error) => wrong.push(error.to_string()),
             }
@@ -121,38 +141,45 @@ impl<'a> Bench<'a> {
         result.cases += 1;
         result.rays += self.judged.case.rays.len();
         result.clear += truth.map_or(0, |summary| summary.clear);
-        result.differing += agreed.map_or(0, |summary| summary.differing);
+        result.differing += agreed.flatten().map_or(0, |summary| summary.differing);
         if first.is_none() {
-            self.first.push((row, run.counted.clone()));
+            self.first.push(First { row, traced: run.counted.clone(), truth });
         }
-        wrong.into_iter().for_each(|what| self.fail(run.row, variant, what));
+        wrong.into_iter().for_each(|what| self.fail(run.row, tree, what));
     }
 
-    /// What can be said only when all structures are through.
-    pub(super) fn finish(mut self) {
+    /// Gives back what came of the case, with what can be said only when all structures are through.
+    pub(super) fn finish(mut self) -> Report {
         if self.accuracy == Accuracy::Relaxed {
-            return;
+            return self.report;
         }
         let mut wrong = Vec::new();
         for (index, (_, a, reference)) in self.unculled.iter().enumerate() {
             for (row, b, given) in &self.unculled[index + 1..] {
-                if is_same_but_for_order(*a, *b) && !counters::is_same_work(reference, given) {
+                if is_same_but_for_order(*a, *b) && !is_same_work(reference, given) {
                     let what = "putting leaves first changed how much a walk without culling does";
                     wrong.push((*row, *b, what));
                 }
             }
         }
         wrong.into_iter().for_each(|(row, structure, what)| self.fail(row, structure, what));
+        self.report
     }
 }
 
-fn is_same_but_for_order(a: StructureSpec, b: StructureSpec) -> bool {
-    match (a, b) {
-        (StructureSpec::Bvh(a), StructureSpec::Bvh(b)) => {
-            ropewalk::BuildOptions { leaf_order: b.leaf_order, ..a } == b
+/// The walk of the CPU that does what a walk of a GPU does: there is no memory of workgroups there.
+fn twin(walk: Walk) -> Walk {
+    match walk {
+        Walk::RestartTrail(options) => {
+            Walk::RestartTrail(TrailOptions { memory: StackMemory::Private, ..options })
         }
-        _ => false,
+        other => other,
     }
+}
+
+fn is_same_but_for_order(a: Tree, b: Tree) -> bool {
+    let (StructureSpec::Bvh(of_a), StructureSpec::Bvh(of_b)) = (a.spec, b.spec) else { return false };
+    a.is_chain == b.is_chain && BuildOptions { leaf_order: of_b.leaf_order, ..of_a } == of_b
 }
 
 /// Checks a structure by itself.
@@ -165,19 +192,37 @@ pub(super) fn structure(structure: &Structure, spec: StructureSpec, case: &Case)
             case.skipped
         ));
     }
-    if report.triangles != structure.triangles().len() {
-        return Err("the report counts triangles that are not there".into());
+    if report.references != structure.triangles().len() {
+        return Err("the report counts references that are not there".into());
+    }
+    let options = spec.build_options();
+    references(report, options)?;
+    // That a binary tree has the depth that was asked for; a wide one is no deeper than the tree it is made of.
+    if report.depth > options.max_depth {
+        return Err(format!("a leaf lies at depth {}, below {}", report.depth, options.max_depth));
     }
     match (structure, spec) {
-        (Structure::Bvh(bvh), StructureSpec::Bvh(options)) => {
-            bvh.validate().map_err(|error| error.to_string())?;
-            if report.depth > options.max_depth {
-                return Err(format!("a leaf lies at depth {}, below {}", report.depth, options.max_depth));
+        (Structure::Bvh(bvh), StructureSpec::Bvh(_)) => bvh.validate().map_err(|error| error.to_string()),
+        (Structure::WideBvh(bvh), StructureSpec::WideBvh(options)) => {
+            if bvh.width() != options.width {
+                return Err(format!("the nodes have {} children", bvh.width().children()));
             }
+            bvh.validate().map_err(|error| error.to_string())
         }
-        _ => return Err("another kind of structure was built than was asked for".into()),
+        _ => Err("another kind of structure was built than was asked for".into()),
     }
-    Ok(())
+}
+
+/// Checks that triangles stand in several leaves only where the builder may put them there, and no more than allowed.
+fn references(report: &BuildReport, options: &BuildOptions) -> Result<(), String> {
+    let Some(repeats) = report.references.checked_sub(report.triangles) else {
+        return Err(format!("{} references to {} triangles", report.references, report.triangles));
+    };
+    let allowed = match options.builder {
+        Builder::Sbvh => report.triangles * options.duplication as usize / 100,
+        Builder::BinnedSah | Builder::SweepSah => 0,
+    };
+    if repeats <= allowed { Ok(()) } else { Err(format!("{repeats} repeats, {allowed} may be")) }
 }
 
 /// The first ray that left a closed mesh.

@@ -1,17 +1,11 @@
-//! What walks may count. Where a mistake does not show in the hits (a leaf entered twice, nothing culled), it
-//! shows here.
+//! What one walk may count. Where a mistake does not show in the hits (a leaf entered twice, nothing culled), it
+//! shows here; what must hold between walks stands in [`super::relations`].
 //!
-//! Of one walk ([`check`]): nothing for a ray that is not valid; no triangle, leaf or node more often than there
-//! are of them; no stack deeper than the tree; brute force tests every triangle exactly once.
-//!
-//! Between walks of one binary tree ([`relations`]), for each ray, from ALGORITHMS B1 to B6: recursion does the
-//! work of the unordered stack; culling, sorting and ordering never do more than the unordered stack; all hits
-//! and count do exactly its work, since nothing is culled; before the first hit culling changes nothing, so any
-//! hit is the same with it. Summed over a class of rays sorting does no more than culling alone, and ordering no
-//! more than sorting, up to the few rays that an order misleads.
+//! Nothing for a ray that is not valid; no triangle, leaf or node more often than there are of them; no stack deeper
+//! than the tree, or than it was made; brute force tests every triangle exactly once. A restart trail may come by a
+//! node again after each restart, restarts at most once for each child that is not the first of its node, and enters
+//! no leaf twice. A triangle that spatial splits put into several leaves may be tested once in each.
 
-use crate::cases::Case;
-use ropewalk::bvh::StackOrder;
 use ropewalk::catalogue::Row;
 use ropewalk::{Answer, Counters, Query, Ray, Structure, Traced, Walk};
 
@@ -26,127 +20,73 @@ pub fn check(structure: &Structure, row: Row, rays: &[Ray], traced: &Traced) -> 
     if counters.len() != rays.len() || traced.answer.len() != rays.len() {
         return Err(format!("{} rays have {} counters", rays.len(), counters.len()));
     }
-    let report = structure.report();
-    let inner_nodes = report.nodes - report.leaves;
     for (index, (ray, counted)) in rays.iter().zip(counters).enumerate() {
-        let fail = |what: &str| Err(format!("ray {index}: {what}: {counted:?}"));
-        if !ray.is_valid() {
-            if *counted != Counters::default() {
-                return fail("work was done for a ray that is not valid");
-            }
-            continue;
-        }
-        let hit = is_hit(&traced.answer, index);
-        if counted.primitive_tests as usize > report.triangles {
-            return fail("more triangles were tested than there are");
-        }
-        if counted.leaf_visits as usize > report.leaves {
-            return fail("more leaves were entered than there are");
-        }
-        if counted.inner_visits as usize > inner_nodes {
-            return fail("more inner nodes were visited than there are");
-        }
-        if counted.stack_depth > report.depth {
-            return fail("the stack was deeper than the tree");
-        }
-        if counted.leaf_visits > counted.primitive_tests || (hit && counted.primitive_tests == 0) {
-            return fail("a leaf was entered or a hit found without a test");
-        }
-        if counted.restarts > 0 || counted.objects_entered > 0 {
-            return fail("a walk with a full stack over one structure restarts nowhere and enters no object");
-        }
-        if row.walk == Walk::BruteForce {
-            let everything = counted.primitive_tests as usize == report.triangles
-                && counted.leaf_visits as usize == report.leaves;
-            let may_stop = row.query == Query::Any && hit;
-            if counted.inner_visits > 0 || !(everything || may_stop) {
-                return fail("brute force tests every triangle once and no box");
-            }
-        } else if (counted.inner_visits == 0) != (inner_nodes == 0) {
-            return fail("a walk begins at the root's children, if it has any");
-        }
+        let checked = if ray.is_valid() {
+            check_ray(structure, row, is_hit(&traced.answer, index), counted)
+        } else if *counted == Counters::default() {
+            Ok(())
+        } else {
+            Err("work was done for a ray that is not valid")
+        };
+        checked.map_err(|what| format!("ray {index}: {what}: {counted:?}"))?;
     }
     Ok(())
 }
 
-/// Checks what must hold between the walks of one binary tree. Each entry of `runs` is a row, its index, and its
-/// counted answers; gives back the index and what is wrong.
-#[must_use]
-pub fn relations(case: &Case, runs: &[(usize, Row, &Traced)]) -> Vec<(usize, String)> {
-    let stack = |order: StackOrder| Walk::Stack(order);
-    let of = |walk: Walk, query: Query| {
-        let run = runs.iter().find(|(_, row, _)| row.walk == walk && row.query == query)?;
-        Some((run.0, run.2.counters.as_ref()?.as_slice()))
-    };
-    let mut wrong = Vec::new();
-    let mut demand = |given: Option<(usize, &[Counters])>,
-                      than: Option<(usize, &[Counters])>,
-                      holds: fn(Work, Work) -> bool,
-                      what: &str| {
-        let (Some((row, given)), Some((_, than))) = (given, than) else { return };
-        let broken = given.iter().zip(than).position(|(given, than)| !holds(work(given), work(than)));
-        if let Some(index) = broken {
-            let (given, than) = (given[index], than[index]);
-            wrong.push((row, format!("ray {index}: {what}: {given:?}, the other {than:?}")));
+fn check_ray(structure: &Structure, row: Row, hit: bool, counted: &Counters) -> Result<(), &'static str> {
+    let report = structure.report();
+    let inner_nodes = report.nodes - report.leaves;
+    let restarts = counted.restarts as usize;
+    if counted.primitive_tests as usize > report.references {
+        return Err("more triangles were tested than there are");
+    }
+    if counted.leaf_visits as usize > report.leaves {
+        return Err("more leaves were entered than there are");
+    }
+    if counted.inner_visits as usize > inner_nodes.saturating_mul(restarts + 1) {
+        return Err("more inner nodes were visited than there are");
+    }
+    if counted.stack_depth > deepest_stack(structure, row.walk) {
+        return Err("the stack was deeper than the tree, or than it was made");
+    }
+    if counted.leaf_visits > counted.primitive_tests || (hit && counted.primitive_tests == 0) {
+        return Err("a leaf was entered or a hit found without a test");
+    }
+    if counted.objects_entered > 0 {
+        return Err("a walk over one structure enters no object");
+    }
+    match row.walk {
+        // Every child but the root, less the first of each node.
+        Walk::RestartTrail(_) if restarts > report.leaves.saturating_sub(1) => {
+            return Err("there are more restarts than branches");
         }
-    };
-    let equal: fn(Work, Work) -> bool = |a, b| a == b;
-    let no_more: fn(Work, Work) -> bool = |a, b| (0..3).all(|i| a[i] <= b[i]);
-    let plain = of(stack(StackOrder::Unordered), Query::Closest);
-    demand(
-        of(Walk::Recursive, Query::Closest),
-        plain,
-        equal,
-        "recursion does the work of the unordered stack",
-    );
-    for order in [StackOrder::Culled, StackOrder::Sorted, StackOrder::Ordered] {
-        demand(
-            of(stack(order), Query::Closest),
-            plain,
-            no_more,
-            "culling does more than the unordered stack",
-        );
+        Walk::RestartTrail(_) => {}
+        _ if restarts > 0 => return Err("a walk with a full stack restarts nowhere"),
+        _ => {}
     }
-    for walk in Walk::EVERY.into_iter().filter(|&walk| walk != Walk::BruteForce) {
-        demand(of(walk, Query::Any), plain, no_more, "any hit does more than the whole unordered walk");
-        demand(of(walk, Query::All), plain, equal, "all hits does other work than the unordered walk");
-        demand(of(walk, Query::Count), plain, equal, "count does other work than the unordered walk");
-    }
-    let any = of(stack(StackOrder::Unordered), Query::Any);
-    demand(of(stack(StackOrder::Culled), Query::Any), any, equal, "culling changed a search for any hit");
-
-    for (better, worse) in
-        [(StackOrder::Sorted, StackOrder::Culled), (StackOrder::Ordered, StackOrder::Sorted)]
-    {
-        let (better, worse) = (of(stack(better), Query::Closest), of(stack(worse), Query::Closest));
-        let (Some((row, better)), Some((_, worse))) = (better, worse) else { continue };
-        for (class, range) in &case.classes {
-            let sum = |counters: &[Counters]| counters[range.clone()].iter().map(work).fold([0u64; 3], add);
-            let (better, worse) = (sum(better), sum(worse));
-            // An order can mislead single rays: a tenth, and four visits a ray on trees of few nodes.
-            let allowed = |worse: u64| worse + worse / 10 + 4 * range.len() as u64;
-            if (0..3).any(|i| better[i] > allowed(worse[i])) {
-                wrong.push((row, format!("rays of class {class}: {better:?} visits, leaves and tests against {worse:?} with less order")));
-            }
+    if row.walk == Walk::BruteForce {
+        let everything = counted.primitive_tests as usize == report.references
+            && counted.leaf_visits as usize == report.leaves;
+        let may_stop = row.query == Query::Any && hit;
+        if counted.inner_visits > 0 || !(everything || may_stop) {
+            return Err("brute force tests every triangle once and no box");
         }
+    } else if (counted.inner_visits == 0) != (inner_nodes == 0) {
+        return Err("a walk begins at the root's children, if it has any");
     }
-    wrong
+    Ok(())
 }
 
-/// Inner visits, leaf visits, primitive tests.
-type Work = [u64; 3];
-
-fn work(counters: &Counters) -> Work {
-    [counters.inner_visits, counters.leaf_visits, counters.primitive_tests].map(u64::from)
-}
-
-fn add(a: Work, b: Work) -> Work {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-/// Whether two walks did the same work for every ray, the depth of their stacks aside.
-pub(super) fn is_same_work(a: &[Counters], b: &[Counters]) -> bool {
-    a.iter().map(work).eq(b.iter().map(work))
+/// The most entries that the stack of a walk can hold: one a level in a binary tree.
+fn deepest_stack(structure: &Structure, walk: Walk) -> u32 {
+    let of_tree = match structure {
+        Structure::WideBvh(bvh) => bvh.stack_entries(),
+        _ => structure.report().depth,
+    };
+    match walk {
+        Walk::RestartTrail(options) => of_tree.min(options.short_stack),
+        _ => of_tree,
+    }
 }
 
 fn is_hit(answer: &Answer, index: usize) -> bool {

@@ -6,7 +6,8 @@
 //! * give the same answers with counters as without,
 //! * agree with all other rows of its query, whatever their structure and walk: to the bit on exact devices,
 //! * agree with its own answers to the other queries,
-//! * count what its walk may count: see [`counters`],
+//! * count what its walk may count: see [`counters`] and [`relations`],
+//! * refuse a tree that is deeper than its register, and no other: see [`refusal`],
 //! * on a GPU: agree with its twin on the CPU, counters included on exact devices.
 //!
 //! No walk is the reference: brute force, too, is a row like any other, and is judged by the oracle.
@@ -23,15 +24,23 @@
 
 mod checks;
 pub mod counters;
+mod registers;
+pub mod relations;
 mod report;
+mod short_stacks;
+mod work;
 
+pub use registers::refusal;
 pub use report::{Failure, Report, RowResult};
+pub use short_stacks::{Compared, ShortStacks, every_short_stack, every_short_stack_on_cpu};
 
-use crate::cases::Case;
+use crate::cases::{Case, Tree};
 use crate::oracle::{Expectation, Oracle};
 use checks::{Bench, Run};
+use rayon::prelude::*;
 use ropewalk::catalogue::Row;
-use ropewalk::{NoMonitor, Query, Ray, Structure, StructureSpec, TraceOptions, Traced, Walk};
+use ropewalk::{Query, Ray, Structure, StructureSpec, TraceOptions, Traced, Walk};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What is judged: something that traces batches through a structure.
 pub trait Device {
@@ -137,16 +146,40 @@ impl Suite {
     ) -> Report {
         let mut report = Report::new(rows);
         for (done, judged) in self.cases.iter().enumerate() {
-            let mut bench = Bench::new(judged, self.accuracy, rows, &mut report);
-            for structure in distinct_structures(rows) {
-                for variant in judged.case.structures(structure) {
-                    judge(&mut bench, structure, variant, device);
-                }
-            }
-            bench.finish();
+            report.add(self.run_case(judged, rows, device));
             progress(done + 1, self.cases.len());
         }
         report
+    }
+
+    /// The same on the CPU, with the cases spread over the threads of the caller's pool. `progress` hears from any of
+    /// them.
+    pub fn run_on_cpu(&self, rows: &[Row], progress: &(dyn Fn(usize, usize) + Sync)) -> Report {
+        let done = AtomicUsize::new(0);
+        let reports: Vec<Report> = self
+            .cases
+            .par_iter()
+            .with_max_len(1)
+            .map(|judged| {
+                let report = self.run_case(judged, rows, &mut Cpu::default());
+                progress(done.fetch_add(1, Ordering::Relaxed) + 1, self.cases.len());
+                report
+            })
+            .collect();
+        reports.into_iter().fold(Report::new(rows), |mut sum, report| {
+            sum.add(report);
+            sum
+        })
+    }
+
+    fn run_case(&self, judged: &Judged, rows: &[Row], device: &mut dyn Device) -> Report {
+        let mut bench = Bench::new(judged, self.accuracy, rows);
+        for structure in distinct_structures(rows) {
+            for tree in judged.case.trees(structure) {
+                judge(&mut bench, structure, tree, device);
+            }
+        }
+        bench.finish()
     }
 }
 
@@ -160,19 +193,18 @@ fn distinct_structures(rows: &[Row]) -> Vec<StructureSpec> {
     structures
 }
 
-/// Judges all rows of one structure, built as `variant`.
-fn judge(bench: &mut Bench<'_>, of: StructureSpec, variant: StructureSpec, device: &mut dyn Device) {
+/// Judges all rows of one structure, over one tree.
+fn judge(bench: &mut Bench<'_>, of: StructureSpec, tree: Tree, device: &mut dyn Device) {
     let rows: Vec<usize> = (0..bench.rows.len()).filter(|&row| bench.rows[row].structure == of).collect();
-    let built = variant.build(&bench.judged.case.scene, &NoMonitor).map_err(|error| error.to_string());
-    let prepared = built.and_then(|structure| {
-        checks::structure(&structure, variant, &bench.judged.case)?;
+    let prepared = tree.build(&bench.judged.case).and_then(|structure| {
+        checks::structure(&structure, tree.spec, &bench.judged.case)?;
         device.prepare(&structure)?;
         Ok(structure)
     });
     let structure = match prepared {
         Ok(structure) => structure,
         Err(why) => {
-            rows.iter().for_each(|&row| bench.fail(row, variant, why.clone()));
+            rows.iter().for_each(|&row| bench.fail(row, tree, why.clone()));
             return;
         }
     };
@@ -181,10 +213,13 @@ fn judge(bench: &mut Bench<'_>, of: StructureSpec, variant: StructureSpec, devic
         let Row { walk, query, .. } = bench.rows[row];
         let mut trace =
             |counters| device.trace(walk, query, &bench.judged.case.rays, TraceOptions { counters });
-        match trace(false).and_then(|plain| Ok((plain, trace(true)?))) {
-            Ok((plain, counted)) => runs.push(Run { row, plain, counted }),
-            Err(why) => bench.fail(row, variant, why),
+        let traced = trace(false).and_then(|plain| Ok((plain, trace(true)?)));
+        match (traced, refusal(&structure, walk)) {
+            (Ok((plain, counted)), None) => runs.push(Run { row, plain, counted }),
+            (Err(why), Some(due)) if why == due => {}
+            (Ok(_), Some(due)) => bench.fail(row, tree, format!("it answers where it must refuse: {due}")),
+            (Err(why), _) => bench.fail(row, tree, why),
         }
     }
-    bench.judge(&structure, variant, runs);
+    bench.judge(&structure, tree, runs);
 }

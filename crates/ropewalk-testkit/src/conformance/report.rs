@@ -1,6 +1,6 @@
 //! What came of a run of the suite.
 
-use ropewalk::StructureSpec;
+use crate::cases::Tree;
 use ropewalk::catalogue::Row;
 use std::fmt;
 
@@ -10,7 +10,7 @@ pub struct Failure {
     /// The name of the case.
     pub case: &'static str,
     /// The structure as it was built.
-    pub structure: StructureSpec,
+    pub structure: Tree,
     /// What is wrong.
     pub what: String,
 }
@@ -26,7 +26,8 @@ impl fmt::Display for Failure {
 pub struct RowResult {
     /// The row.
     pub row: Row,
-    /// Cases that were traced; a case with several depth caps counts once for each.
+    /// Cases that were traced; a case with several depth caps counts once for each. One whose tree is deeper than the
+    /// walk's register, and which the walk rightly refuses, counts nowhere.
     pub cases: usize,
     /// Rays that were judged.
     pub rays: usize,
@@ -58,6 +59,17 @@ impl Report {
         let result =
             |&row: &Row| RowResult { row, cases: 0, rays: 0, clear: 0, differing: 0, failures: Vec::new() };
         Self { rows: rows.iter().map(result).collect() }
+    }
+
+    /// Adds what came of another case for the same rows.
+    pub(super) fn add(&mut self, other: Self) {
+        for (result, other) in self.rows.iter_mut().zip(other.rows) {
+            result.cases += other.cases;
+            result.rays += other.rays;
+            result.clear += other.clear;
+            result.differing += other.differing;
+            result.failures.extend(other.failures);
+        }
     }
 
     /// Whether every row passed. False when there is no row: nothing was shown then.
@@ -127,7 +139,8 @@ mod tests {
         report.rows.iter_mut().for_each(|row| row.cases = 3);
         assert!(report.is_passed());
         assert_eq!(report.to_string().matches("  ok").count(), 2);
-        let failure = Failure { case: "soup", structure: rows[0].structure, what: "lost".into() };
+        let failure =
+            Failure { case: "soup", structure: Tree::built(rows[0].structure), what: "lost".into() };
         report.rows[1].failures.push(failure);
         assert!(!report.is_passed());
         assert!(report.is_caught_by("soup") && !report.is_caught_by("room"));

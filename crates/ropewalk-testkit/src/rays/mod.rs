@@ -137,6 +137,7 @@ pub struct RayMaker<'a> {
     triangles: &'a [FlatTriangle],
     bounds: Aabb,
     view: View,
+    light: DVec3,
     seed: u64,
 }
 
@@ -149,13 +150,22 @@ impl<'a> RayMaker<'a> {
         if bounds.is_empty() {
             bounds = Aabb::new(Vec3::ZERO, Vec3::ONE);
         }
-        Self { triangles: &scene.triangles, bounds, view: View::of_bounds(&bounds), seed }
+        let (low, high) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let light = bounds.center().as_dvec3() + DVec3::new(-0.6, 1.0, 0.4) * (high - low).length();
+        Self { triangles: &scene.triangles, bounds, view: View::of_bounds(&bounds), light, seed }
     }
 
     /// The same with another camera, for a scene that is looked at from inside, say.
     #[must_use]
     pub fn with_view(self, view: View) -> Self {
         Self { view, ..self }
+    }
+
+    /// The same with another light, for a scene whose light is in it, say. Without it the light stands far outside,
+    /// above.
+    #[must_use]
+    pub fn with_light(self, light: DVec3) -> Self {
+        Self { light, ..self }
     }
 
     /// The box of the scene.

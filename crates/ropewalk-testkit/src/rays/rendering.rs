@@ -42,9 +42,9 @@ impl RayMaker<'_> {
     }
 
     pub(super) fn shadow(&self, count: usize, closest: &Closest<'_>) -> Vec<Ray> {
-        let center = self.bounds.center().as_dvec3();
-        let light = center + DVec3::new(-0.6, 1.0, 0.4) * self.diagonal();
-        self.rays_from_seen(count, closest, |point| super::towards(point.position, light).window(0.0, 1.0))
+        self.rays_from_seen(count, closest, |point| {
+            super::towards(point.position, self.light).window(0.0, 1.0)
+        })
     }
 
     pub(super) fn ambient_occlusion(&self, count: usize, closest: &Closest<'_>) -> Vec<Ray> {

@@ -5,15 +5,16 @@
 //! **Invariants** of every [`Bvh`], kept by the builders and checked by [`Bvh::validate`]: nodes lie in
 //! depth-first order with the first child beside its parent; a child's box lies in its parent's and a
 //! triangle's in its leaf's; every triangle is in exactly one leaf; no leaf is deeper than [`MAX_DEPTH`], so no
-//! walk's stack can overflow.
+//! walk's stack can overflow. With spatial splits ([`Builder::Sbvh`]) a triangle may stand in several leaves, each
+//! of which holds a part of it, and all of which together cover it; its hits are still reported once.
 
 mod build;
 mod node;
 mod report;
-mod validate;
+pub(crate) mod validate;
 pub mod walk;
 
-pub use build::options::{BuildOptions, LeafOrder};
+pub use build::options::{BuildOptions, Builder, LeafOrder};
 pub use node::Node;
 pub use report::BuildReport;
 pub use walk::StackOrder;
@@ -39,8 +40,13 @@ impl Bvh {
     /// When they break a rule of the structure.
     pub fn from_parts(nodes: Vec<Node>, triangles: Vec<FlatTriangle>) -> Result<Self, ValidationError> {
         validate::validate(&nodes, &triangles)?;
-        let report = BuildReport::measure(&nodes, &triangles);
+        let report = BuildReport::measure(&nodes, &triangles, validate::count_distinct(&triangles));
         Ok(Self { nodes, triangles, report })
+    }
+
+    /// Takes the structure apart: nodes, triangles, report.
+    pub(crate) fn into_parts(self) -> (Vec<Node>, Vec<FlatTriangle>, BuildReport) {
+        (self.nodes, self.triangles, self.report)
     }
 
     /// The nodes, in depth-first order; none when there are no triangles.
@@ -59,6 +65,12 @@ impl Bvh {
     #[must_use]
     pub fn report(&self) -> &BuildReport {
         &self.report
+    }
+
+    /// Whether some triangle stands in more than one leaf: see [`Builder::Sbvh`].
+    #[must_use]
+    pub const fn has_repeats(&self) -> bool {
+        self.report.references > self.report.triangles
     }
 
     /// The box around everything.

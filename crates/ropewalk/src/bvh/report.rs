@@ -13,8 +13,11 @@ pub struct BuildReport {
     pub flatten_time: Duration,
     /// The time that the builder took; zero where there is no clock (wasm32).
     pub build_time: Duration,
-    /// Triangles in the leaves.
+    /// Triangles in the leaves, each counted once.
     pub triangles: usize,
+    /// References to triangles in the leaves: more than there are triangles where spatial splits put some into
+    /// several leaves.
+    pub references: usize,
     /// Nodes, inner ones and leaves.
     pub nodes: usize,
     /// Leaves.
@@ -37,10 +40,12 @@ impl BuildReport {
         if self.triangles == 0 { 0.0 } else { self.bytes as f64 / self.triangles as f64 }
     }
 
-    /// Measures a valid tree; the input report and the times are left at zero.
-    pub(super) fn measure(nodes: &[Node], triangles: &[FlatTriangle]) -> Self {
+    /// Measures a valid tree over `distinct` triangles, some of which may stand among `triangles` several times; the
+    /// input report and the times are left at zero.
+    pub(super) fn measure(nodes: &[Node], triangles: &[FlatTriangle], distinct: usize) -> Self {
         let mut report = Self {
-            triangles: triangles.len(),
+            triangles: distinct,
+            references: triangles.len(),
             nodes: nodes.len(),
             bytes: size_of_val(nodes) + size_of_val(triangles),
             ..Self::default()

@@ -1,14 +1,21 @@
 //! Checks the rules of a binary BVH: what makes unchecked trust in one unnecessary.
+//!
+//! A triangle that stands in one leaf lies in its box. One that stands in several, as spatial splits make it, lies
+//! in their boxes taken together: each corner of its own box is in one of them, and each of them meets its box. Who
+//! a triangle is tell instance, geometry and primitive.
 
 use super::{MAX_DEPTH, Node};
-use crate::{FlatTriangle, ValidationError};
+use crate::{Aabb, FlatTriangle, ValidationError};
+use glam::Vec3;
 
-/// Checks every rule that [`super`] names.
+/// Checks every rule that [`super`] names. `O(n)`, and a sort of the triangles that leave a leaf's box.
 pub(super) fn validate(nodes: &[Node], triangles: &[FlatTriangle]) -> Result<(), ValidationError> {
     if nodes.is_empty() {
         return if triangles.is_empty() { Ok(()) } else { fail(0, "there are triangles but no nodes") };
     }
     let mut next_triangle = vec![false; triangles.len()];
+    // Who leaves the box of a leaf, and must be in others as well.
+    let mut leaving: Vec<Identity> = Vec::new();
     // Second children to come: (index that the parent names, the parent, depth).
     let mut pending: Vec<(usize, usize, u32)> = Vec::new();
     let mut parent: Option<usize> = None;
@@ -42,7 +49,7 @@ pub(super) fn validate(nodes: &[Node], triangles: &[FlatTriangle]) -> Result<(),
             }
             *seen = true;
             if !bounds.contains(&triangle.triangle().bounds()) {
-                return fail(index, "a triangle leaves its box");
+                leaving.push(identity(triangle));
             }
         }
         match pending.pop() {
@@ -63,10 +70,72 @@ pub(super) fn validate(nodes: &[Node], triangles: &[FlatTriangle]) -> Result<(),
     if !pending.is_empty() {
         return fail(nodes.len(), "the last subtree is cut off");
     }
-    match next_triangle.iter().position(|&seen| !seen) {
-        Some(triangle) => fail(0, format!("triangle {triangle} is in no leaf")),
-        None => Ok(()),
+    if let Some(triangle) = next_triangle.iter().position(|&seen| !seen) {
+        return fail(0, format!("triangle {triangle} is in no leaf"));
     }
+    leaving.sort_unstable();
+    check_parts(nodes, triangles, &leaving)
+}
+
+/// Instance, geometry, primitive.
+pub(crate) type Identity = (u32, u32, u32);
+
+pub(crate) fn identity(triangle: &FlatTriangle) -> Identity {
+    (triangle.instance(), triangle.geometry(), triangle.primitive)
+}
+
+/// Checks the triangles that leave a leaf's box, sorted: the leaves in which each stands must cover it together.
+pub(crate) fn check_parts(
+    nodes: &[Node],
+    triangles: &[FlatTriangle],
+    leaving: &[Identity],
+) -> Result<(), ValidationError> {
+    if leaving.is_empty() {
+        return Ok(());
+    }
+    let mut standing: Vec<(Identity, usize, &FlatTriangle)> = Vec::new();
+    for (index, leaf) in nodes.iter().enumerate().filter(|(_, node)| node.is_leaf()) {
+        for triangle in triangles.iter().skip(leaf.link as usize).take(leaf.count as usize) {
+            let identity = identity(triangle);
+            if leaving.binary_search(&identity).is_ok() {
+                standing.push((identity, index, triangle));
+            }
+        }
+    }
+    standing.sort_unstable_by_key(|&(identity, leaf, _)| (identity, leaf));
+    for places in standing.chunk_by(|a, b| a.0 == b.0) {
+        let Some(&(_, first, triangle)) = places.first() else { continue };
+        if places.iter().any(|(.., other)| *other != triangle) {
+            return fail(first, "one of its triangles bears the indices of a different one");
+        }
+        let own = triangle.triangle().bounds();
+        let boxes = || places.iter().map(|&(_, leaf, _)| nodes[leaf].bounds());
+        let stray = places.iter().find(|&&(_, leaf, _)| !overlap(&nodes[leaf].bounds(), &own));
+        if let Some(&(_, leaf, _)) = stray {
+            return fail(leaf, "a triangle does not meet its box");
+        }
+        let is_covered = (0..8).all(|corner| {
+            let side = |axis: u32| if corner >> axis & 1 == 0 { own.min } else { own.max };
+            let point = Vec3::new(side(0).x, side(1).y, side(2).z);
+            boxes().any(|bounds| bounds.contains(&Aabb::new(point, point)))
+        });
+        if !is_covered {
+            return fail(first, "a triangle leaves its box, and no other leaf has the rest of it");
+        }
+    }
+    Ok(())
+}
+
+fn overlap(a: &Aabb, b: &Aabb) -> bool {
+    a.min.cmple(b.max).all() && b.min.cmple(a.max).all()
+}
+
+/// How many different triangles there are among these.
+pub(crate) fn count_distinct(triangles: &[FlatTriangle]) -> usize {
+    let mut ids: Vec<Identity> = triangles.iter().map(identity).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    ids.len()
 }
 
 fn fail(node: usize, what: impl Into<String>) -> Result<(), ValidationError> {
@@ -78,7 +147,6 @@ mod tests {
     use super::*;
     use crate::bvh::BuildOptions;
     use crate::{Mesh, Scene};
-    use glam::Vec3;
 
     fn strip() -> (Vec<Node>, Vec<FlatTriangle>) {
         let positions = (0..12).map(|i| Vec3::new(i as f32, (i % 2) as f32, 0.1 * i as f32)).collect();
@@ -122,6 +190,53 @@ mod tests {
         }
         assert!(validate(&good, &triangles[1..]).is_err());
         assert!(validate(&[], &triangles).is_err());
+    }
+
+    /// Two triangles: one whole in the first leaf, the other half in each of two.
+    fn split_in_two() -> (Vec<Node>, Vec<FlatTriangle>) {
+        let corners = [Vec3::ZERO, Vec3::new(4.0, 0.0, 0.0), Vec3::new(0.0, 4.0, 0.0)];
+        let mesh = Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 1]]);
+        let [whole, split] = Scene::from_mesh(mesh).flatten().unwrap().triangles[..] else { panic!() };
+        let bounds = |low: f32, high: f32, top: f32| Aabb::new(Vec3::X * low, Vec3::new(high, top, 0.0));
+        let nodes = vec![
+            Node::inner(&bounds(0.0, 4.0, 4.0), 2),
+            Node::leaf(&bounds(0.0, 4.0, 4.0), 0, 2),
+            Node::leaf(&bounds(2.0, 4.0, 4.0), 2, 1),
+        ];
+        (nodes, vec![whole, split, split])
+    }
+
+    #[test]
+    fn parts_must_cover_the_whole() {
+        let (good, triangles) = split_in_two();
+        assert_eq!(validate(&good, &triangles), Ok(()));
+        // Without the whole triangle the first leaf may be as small as its part.
+        let parts = [triangles[1], triangles[1]];
+        let mut small = good.clone();
+        (small[1].count, small[2].link, small[1].max[0]) = (1, 1, 2.0);
+        assert_eq!(validate(&small, &parts), Ok(()));
+        assert_eq!(count_distinct(&parts), 1);
+
+        type Harm<'a> = &'a dyn Fn(&mut Vec<Node>, &mut Vec<FlatTriangle>);
+        let damage: [(&str, Harm<'_>); 6] = [
+            ("a gap at a corner", &|nodes, _| nodes[1].max[1] = 3.0),
+            ("parts that end early", &|nodes, _| nodes[2].max[0] = 3.0),
+            ("a leaf elsewhere", &|nodes, _| (nodes[2].min[2], nodes[2].max[2]) = (1.0, 1.0)),
+            ("another triangle of the same name", &|_, triangles| triangles[1].v1[0] = 3.5),
+            ("a part whose other part is gone", &|_, triangles| triangles[1].primitive += 1),
+            ("a child outside its parent", &|nodes, _| nodes[2].max[0] = 5.0),
+        ];
+        for (what, harm) in damage {
+            let (mut nodes, mut triangles) = (small.clone(), parts.to_vec());
+            harm(&mut nodes, &mut triangles);
+            // A leaf elsewhere is a fault only while its parent is not.
+            nodes[0].max[2] = nodes[2].max[2].max(0.0);
+            assert!(validate(&nodes, &triangles).is_err(), "{what} was not found");
+        }
+        // One that stands once must still lie in its leaf.
+        let mut alone = good;
+        alone[1].max[0] = 2.0;
+        assert!(validate(&alone, &triangles).is_err());
     }
 
     #[test]

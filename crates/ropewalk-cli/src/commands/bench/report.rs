@@ -29,9 +29,10 @@ pub(super) fn heading(machine: &Machine, arguments: &Arguments, devices: &[Devic
 /// A scene: its structure, its builds, and a table of rates.
 pub(super) fn scene(record: &SceneRecord) -> String {
     let mut text = format!(
-        "\n{}: {} triangles\n{}: {} nodes, {} leaves, depth {}, SAH cost {:.2}, {} ({:.1} bytes a triangle)\n",
+        "\n{}: {} triangles{}\n{}: {} nodes, {} leaves, depth {}, SAH cost {:.2}, {} ({:.1} bytes a triangle)\n",
         record.scene,
         thousands(record.triangles),
+        references(record.references, record.triangles),
         record.structure,
         thousands(record.nodes),
         thousands(record.leaves),
@@ -75,6 +76,15 @@ pub(super) fn scene(record: &SceneRecord) -> String {
     }
     let _ = write!(text, "{table}");
     text
+}
+
+/// How many references there are, where they are more than the triangles.
+fn references(references: usize, triangles: usize) -> String {
+    if references <= triangles {
+        return String::new();
+    }
+    let growth = 100.0 * (references - triangles) as f64 / triangles.max(1) as f64;
+    format!(", {} references (+{growth:.1}%)", thousands(references))
 }
 
 /// The name of an adapter without its interface and driver, which stand above the table.

@@ -2,7 +2,7 @@
 
 use super::Arguments;
 use crate::scene_argument::LoadedScene;
-use ropewalk::Structure;
+use ropewalk::{BuildReport, Structure};
 use ropewalk_gpu::{AdapterSummary, Gpu};
 use serde::Serialize;
 
@@ -56,6 +56,12 @@ pub(super) struct SkippedRecord {
 pub(super) struct StructureRecord {
     pub(super) name: String,
     pub(super) triangles: usize,
+    /// References to triangles in the leaves.
+    pub(super) references: usize,
+    /// How many more references there are than triangles, as a share of the triangles.
+    pub(super) reference_growth: f64,
+    /// Children a node.
+    pub(super) width: usize,
     pub(super) nodes: usize,
     pub(super) leaves: usize,
     pub(super) depth: u32,
@@ -129,6 +135,12 @@ impl Document {
             structure: StructureRecord {
                 name: arguments.structure.to_string(),
                 triangles: report.triangles,
+                references: report.references,
+                reference_growth: growth(report),
+                width: match built {
+                    Structure::WideBvh(bvh) => bvh.width().children(),
+                    _ => 2,
+                },
                 nodes: report.nodes,
                 leaves: report.leaves,
                 depth: report.depth,
@@ -144,13 +156,20 @@ impl Document {
     }
 }
 
+fn growth(report: &BuildReport) -> f64 {
+    let more = report.references.saturating_sub(report.triangles);
+    if report.triangles == 0 { 0.0 } else { more as f64 / report.triangles as f64 }
+}
+
 /// Asks every adapter whether it holds the structure.
 fn fits(structure: &Structure) -> Vec<Fit> {
     // As the structure lies in buffers: nodes in one, triangles in another.
     let (node_bytes, triangle_bytes) = match structure {
-        Structure::Bvh(bvh) => (size_of_val(bvh.nodes()) as u64, size_of_val(bvh.triangles()) as u64),
+        Structure::Bvh(bvh) => (size_of_val(bvh.nodes()), size_of_val(bvh.triangles())),
+        Structure::WideBvh(bvh) => (size_of_val(bvh.children()), size_of_val(bvh.triangles())),
         _ => return Vec::new(),
     };
+    let (node_bytes, triangle_bytes) = (node_bytes as u64, triangle_bytes as u64);
     let fit = |adapter: &AdapterSummary| {
         let opened = Gpu::open(adapter.index);
         let limits = opened.as_ref().map(|gpu| gpu.device().limits());

@@ -74,12 +74,26 @@ impl Defects {
 
 impl StructureRecord {
     fn to_text(&self) -> String {
+        let nodes = if self.width == 2 {
+            format!("{} of which {} leaves", thousands(self.nodes), thousands(self.leaves))
+        } else {
+            let inner = self.nodes.saturating_sub(self.leaves);
+            format!("{} of {} children, and {} leaves", thousands(inner), self.width, thousands(self.leaves))
+        };
+        let references = if self.references > self.triangles {
+            format!(
+                "  references   {} to {} triangles (+{:.1}%): some stand in several leaves\n",
+                thousands(self.references),
+                thousands(self.triangles),
+                100.0 * self.reference_growth
+            )
+        } else {
+            String::new()
+        };
         format!(
-            "{}\n  nodes        {} of which {} leaves, depth {}, at most {} triangles a leaf\n  \
+            "{}\n  nodes        {nodes}, depth {}, at most {} triangles a leaf\n{references}  \
              SAH cost     {:.2}\n  size         {} ({:.1} bytes a triangle)\n  built in     {}\n",
             self.name,
-            thousands(self.nodes),
-            thousands(self.leaves),
             self.depth,
             self.largest_leaf,
             self.sah_cost,

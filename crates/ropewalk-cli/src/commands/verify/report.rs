@@ -85,23 +85,20 @@ impl Document {
                 ("structure", Align::Left),
                 ("walk", Align::Left),
                 ("query", Align::Left),
+                ("rows", Align::Right),
                 ("cases", Align::Right),
                 ("rays", Align::Right),
                 ("verdict", Align::Left),
             ]);
-            for row in &device.rows {
-                let verdict = match row.failures.len() {
-                    0 if row.passed => "ok".to_owned(),
-                    0 => "nothing was traced".to_owned(),
-                    failures => format!("FAILED ({failures})"),
-                };
+            for line in lines(&device.rows) {
                 table.row([
-                    row.structure.clone(),
-                    row.walk.clone(),
-                    row.query.clone(),
-                    thousands(row.cases),
-                    thousands(row.rays),
-                    verdict,
+                    line.structure.into(),
+                    line.walk.into(),
+                    line.queries.join(" "),
+                    thousands(line.rows),
+                    thousands(line.cases),
+                    thousands(line.rays),
+                    line.verdict,
                 ]);
             }
             let _ = writeln!(text, "{table}");
@@ -120,6 +117,53 @@ impl Document {
         let rows = self.devices.iter().flat_map(|device| &device.rows).filter(|row| !row.passed).count();
         format!("{rows} rows failed on {}", failed.join(" and "))
     }
+}
+
+/// A line of the table: one row that failed, or all rows of a structure and a walk, whatever its keys, that did not.
+struct Line<'a> {
+    structure: &'a str,
+    walk: &'a str,
+    queries: Vec<&'a str>,
+    rows: usize,
+    cases: usize,
+    rays: usize,
+    verdict: String,
+    passed: bool,
+}
+
+fn lines(rows: &[RowRecord]) -> Vec<Line<'_>> {
+    let mut lines: Vec<Line<'_>> = Vec::new();
+    for row in rows {
+        let verdict = match row.failures.len() {
+            0 if row.passed => "ok".to_owned(),
+            0 => "nothing was traced".to_owned(),
+            failures => format!("FAILED ({failures})"),
+        };
+        let name = row.walk.split(':').next().unwrap_or_default();
+        let same = |line: &&mut Line<'_>| {
+            line.passed && row.passed && (line.structure, line.walk) == (row.structure.as_str(), name)
+        };
+        if let Some(line) = lines.iter_mut().find(same) {
+            if !line.queries.contains(&row.query.as_str()) {
+                line.queries.push(&row.query);
+            }
+            line.rows += 1;
+            line.cases += row.cases;
+            line.rays += row.rays;
+        } else {
+            lines.push(Line {
+                structure: &row.structure,
+                walk: if row.passed { name } else { &row.walk },
+                queries: vec![&row.query],
+                rows: 1,
+                cases: row.cases,
+                rays: row.rays,
+                verdict,
+                passed: row.passed,
+            });
+        }
+    }
+    lines
 }
 
 /// Most rows fail for the same reasons, so each reason is told once. All failures are in the JSON document.
@@ -159,6 +203,27 @@ mod tests {
             differing: 0,
             failures,
         }
+    }
+
+    #[test]
+    fn rows_that_pass_share_a_line_and_rows_that_fail_have_their_own() {
+        let named = |walk: &str, query: &str, failures| RowRecord {
+            walk: walk.into(),
+            query: query.into(),
+            ..row(failures)
+        };
+        let rows = [
+            named("stack:order=culled", "any", vec![]),
+            named("stack:order=ordered", "any", vec![]),
+            named("stack:order=ordered", "all", vec![failure("lost")]),
+            named("stack:order=ordered", "count", vec![]),
+            named("recursive", "any", vec![]),
+        ];
+        let lines = lines(&rows);
+        assert_eq!(lines.len(), 3);
+        assert_eq!((lines[0].walk, lines[0].rows, lines[0].rays), ("stack", 3, 90));
+        assert_eq!(lines[0].queries, ["any", "count"]);
+        assert_eq!((lines[1].walk, lines[1].verdict.as_str()), ("stack:order=ordered", "FAILED (1)"));
     }
 
     fn failure(what: &str) -> FailureRecord {

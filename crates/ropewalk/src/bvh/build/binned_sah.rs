@@ -5,16 +5,17 @@
 //! 1 for a triangle). Minima, maxima and counts do not depend on the order in which they are taken, and a node's
 //! references are partitioned by one thread, so the tree is the same for any number of threads.
 //!
-//! The depth cap is kept by falling back to halving: a split is taken only when both sides still fit under the
-//! cap with full leaves.
+//! When a node is a leaf, and how the depth cap is kept, stands in [`super::limits`].
 
+use super::limits::{Choice, Limits};
+use super::part::{Part, halve};
+use super::progress::Progress;
 use super::reference::{Extent, Reference};
 use super::subtree::Subtree;
 use crate::bvh::{BuildOptions, Node};
 use crate::parallel::{join, map_chunks};
 use crate::{BuildError, Monitor};
 use glam::Vec4;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// A node with fewer references is built, with all below it, by one thread.
 const SEQUENTIAL: usize = 4096;
@@ -30,62 +31,22 @@ pub(super) fn build(
     if references.is_empty() {
         return Ok(Vec::new());
     }
-    let builder = Builder {
-        options,
-        monitor,
-        total: references.len(),
-        done: AtomicUsize::new(0),
-        cancelled: AtomicBool::new(false),
-    };
+    let builder = Builder { options, progress: Progress::new(monitor, references.len()) };
     let part = Part::measure(references);
     let tree = builder.subtree(references, part, 0, 0);
-    if builder.cancelled.into_inner() { Err(BuildError::Cancelled) } else { Ok(tree.into_nodes()) }
+    builder.progress.finish()?;
+    Ok(tree.into_nodes())
 }
 
 struct Builder<'a> {
     options: &'a BuildOptions,
-    monitor: &'a dyn Monitor,
-    total: usize,
-    done: AtomicUsize,
-    cancelled: AtomicBool,
-}
-
-/// What is known of a node's references: their common box, and the box of their doubled centres.
-#[derive(Clone, Copy)]
-struct Part {
-    bounds: Extent,
-    centers: Extent,
-}
-
-impl Part {
-    const EMPTY: Self = Self { bounds: Extent::EMPTY, centers: Extent::EMPTY };
-
-    fn measure(references: &[Reference]) -> Self {
-        map_chunks(references, 1 << 14, |_, chunk| {
-            let mut part = Self::EMPTY;
-            for reference in chunk {
-                part.add(reference);
-            }
-            part
-        })
-        .into_iter()
-        .fold(Self::EMPTY, |a, b| Self {
-            bounds: a.bounds.union(b.bounds),
-            centers: a.centers.union(b.centers),
-        })
-    }
-
-    #[inline(always)]
-    fn add(&mut self, reference: &Reference) {
-        self.bounds.add(reference);
-        self.centers.add_point(reference.doubled_center());
-    }
+    progress: Progress<'a>,
 }
 
 impl Builder<'_> {
     /// `first` is the index of the first of `references` among all.
     fn subtree(&self, references: &mut [Reference], part: Part, first: usize, depth: u32) -> Subtree {
-        if self.cancelled.load(Ordering::Relaxed) {
+        if self.progress.is_cancelled() {
             return Subtree::Whole(Vec::new());
         }
         if references.len() > SEQUENTIAL
@@ -100,10 +61,7 @@ impl Builder<'_> {
         }
         let mut nodes = Vec::with_capacity(references.len());
         self.sequential(references, &part, first, depth, &mut nodes, &mut Bins::default());
-        let done = self.done.fetch_add(references.len(), Ordering::Relaxed) + references.len();
-        if self.monitor.progress(done, self.total).is_break() {
-            self.cancelled.store(true, Ordering::Relaxed);
-        }
+        self.progress.add(references.len());
         Subtree::Whole(nodes)
     }
 
@@ -137,69 +95,37 @@ impl Builder<'_> {
         depth: u32,
         scratch: &mut Bins,
     ) -> Option<(usize, [Part; 2])> {
-        let levels = self.options.max_depth - depth;
-        if references.len() <= 1 || levels == 0 {
+        let limits = Limits::at(self.options, depth);
+        if limits.forces_leaf(references.len()) {
             return None;
         }
-        let max_leaf = self.options.max_leaf as usize;
-        let may_be_leaf = references.len() <= max_leaf;
         let binning = Binning::new(part, references.len(), self.options.bins);
         let best = binning.best_split(references, scratch);
-        // All areas times 1 / the node's: a leaf costs its triangles, a split one more for the node.
-        let area = part.bounds.half_area();
-        match best {
-            Some(split) => {
-                if may_be_leaf && area + split.cost >= area * references.len() as f32 {
-                    return None;
-                }
-                let room = u64::from(self.options.max_leaf) << (levels - 1).min(32);
-                let fits = |count: usize| count as u64 <= room;
-                if fits(split.low_count) && fits(references.len() - split.low_count) {
-                    return Some(binning.partition(references, &split));
-                }
-            }
-            None if may_be_leaf => return None,
-            None => {}
+        let weighed = best.as_ref().map(|split| (split.cost, split.counts));
+        match (limits.choose(references.len(), part.bounds.half_area(), weighed), best) {
+            (Choice::Leaf, _) => None,
+            (Choice::Split, Some(split)) => Some(binning.partition(references, &split)),
+            _ => Some(halve(references, part)),
         }
-        Some(halve(references, part))
     }
 }
 
-/// Puts the lower half along the longest axis of the centres first. Needs no order of the centres to be there.
-fn halve(references: &mut [Reference], part: &Part) -> (usize, [Part; 2]) {
-    let middle = references.len() / 2;
-    let size = part.centers.high - part.centers.low;
-    let axis = if size.x >= size.y && size.x >= size.z {
-        0
-    } else if size.y >= size.z {
-        1
-    } else {
-        2
-    };
-    references.select_nth_unstable_by(middle, |a, b| {
-        let order = a.doubled_center()[axis].total_cmp(&b.doubled_center()[axis]);
-        order.then(a.index().cmp(&b.index()))
-    });
-    let (low, high) = references.split_at(middle);
-    (middle, [Part::measure(low), Part::measure(high)])
-}
-
 /// How centres map to bins, on all axes at once.
-struct Binning {
+pub(super) struct Binning {
     bins: usize,
     origin: Vec4,
     scale: Vec4,
 }
 
 /// A plane between bins.
-struct Split {
+pub(super) struct Split {
     axis: usize,
     /// The first bin of the upper side.
     bin: u32,
-    /// References on the lower side.
-    low_count: usize,
+    /// References on the lower side and on the upper one.
+    pub(super) counts: [usize; 2],
     /// The sum over both sides of half area times count.
-    cost: f32,
+    pub(super) cost: f32,
 }
 
 #[derive(Clone, Copy)]
@@ -213,7 +139,7 @@ impl Bin {
 }
 
 /// The bins of the three axes, 4.6 kB. Several nodes use them one after the other; each clears as many as it needs.
-struct Bins([[Bin; BuildOptions::MAX_BINS]; 3]);
+pub(super) struct Bins([[Bin; BuildOptions::MAX_BINS]; 3]);
 
 impl Default for Bins {
     fn default() -> Self {
@@ -234,7 +160,7 @@ impl Bins {
 const ROUND_TO_BITS: f32 = 8_388_608.0;
 
 impl Binning {
-    fn new(part: &Part, count: usize, bins: u32) -> Self {
+    pub(super) fn new(part: &Part, count: usize, bins: u32) -> Self {
         // Few references do not need many planes; most nodes are small and the sweep over bins dominates them.
         let bins = (bins as usize).min(4 + count / 4);
         let size = part.centers.high - part.centers.low;
@@ -267,7 +193,7 @@ impl Binning {
         }
     }
 
-    fn best_split(&self, references: &[Reference], bins: &mut Bins) -> Option<Split> {
+    pub(super) fn best_split(&self, references: &[Reference], bins: &mut Bins) -> Option<Split> {
         if references.len() > PARALLEL_BINNING {
             let parts = map_chunks(references, PARALLEL_BINNING / 4, |_, chunk| {
                 let mut bins = Bins::default();
@@ -303,14 +229,14 @@ impl Binning {
             }
             let cost = lower.bounds.half_area() * lower.count as f32 + upper_costs[plane + 1];
             if best.as_ref().is_none_or(|best| cost < best.cost) {
-                let low_count = lower.count as usize;
-                *best = Some(Split { axis, bin: plane as u32 + 1, low_count, cost });
+                let low = lower.count as usize;
+                *best = Some(Split { axis, bin: plane as u32 + 1, counts: [low, total - low], cost });
             }
         }
     }
 
     /// Puts the lower side first, measuring both sides on the way.
-    fn partition(&self, references: &mut [Reference], split: &Split) -> (usize, [Part; 2]) {
+    pub(super) fn partition(&self, references: &mut [Reference], split: &Split) -> (usize, [Part; 2]) {
         let mut parts = [Part::EMPTY; 2];
         let (mut low, mut high) = (0, references.len());
         while low < high {
@@ -324,7 +250,7 @@ impl Binning {
                 references.swap(low, high);
             }
         }
-        debug_assert_eq!(low, split.low_count);
+        debug_assert_eq!(low, split.counts[0]);
         (low, parts)
     }
 }

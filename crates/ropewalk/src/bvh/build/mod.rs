@@ -1,17 +1,24 @@
-//! Builders of binary BVHs, and what they share: flattening, the clock, emitting triangles in leaf order.
+//! Builders of binary BVHs, the optimisation that may follow each, and what they share: flattening, the clock, emitting triangles in leaf order.
 
 mod binned_sah;
 mod leaf_left;
+mod limits;
 pub(super) mod options;
+mod part;
+mod progress;
 mod reference;
+mod reinsertion;
+mod sbvh;
 mod subtree;
+mod sweep;
+mod sweep_sah;
 
-use super::{BuildOptions, BuildReport, Bvh, LeafOrder};
+use super::{BuildOptions, BuildReport, Builder, Bvh, LeafOrder};
+use crate::clock::Clock;
 use crate::parallel::fill_chunks;
 use crate::{BuildError, FlatTriangle, Monitor, Scene};
 use bytemuck::Zeroable;
 use reference::Reference;
-use std::time::Duration;
 
 /// Flattens the scene, builds the tree, and puts the triangles into leaf order.
 pub(super) fn build(scene: &Scene, options: &BuildOptions, monitor: &dyn Monitor) -> Result<Bvh, BuildError> {
@@ -21,7 +28,14 @@ pub(super) fn build(scene: &Scene, options: &BuildOptions, monitor: &dyn Monitor
     let flatten_time = clock.elapsed();
     let clock = Clock::start();
     let mut references = reference::of_triangles(&flat.triangles);
-    let mut nodes = binned_sah::build(&mut references, options, monitor)?;
+    let mut nodes = match options.builder {
+        Builder::BinnedSah => binned_sah::build(&mut references, options, monitor)?,
+        Builder::SweepSah => sweep_sah::build(&mut references, options, monitor)?,
+        Builder::Sbvh => sbvh::build(&mut references, options, monitor)?,
+    };
+    if options.reinsertion > 0 {
+        nodes = reinsertion::optimise(&nodes, &mut references, options, monitor)?;
+    }
     if options.leaf_order == LeafOrder::Left {
         nodes = leaf_left::reorder(&nodes);
     }
@@ -31,7 +45,7 @@ pub(super) fn build(scene: &Scene, options: &BuildOptions, monitor: &dyn Monitor
         input: flat.report,
         flatten_time,
         build_time,
-        ..BuildReport::measure(&nodes, &triangles)
+        ..BuildReport::measure(&nodes, &triangles, flat.triangles.len())
     };
     Ok(Bvh { nodes, triangles, report })
 }
@@ -44,26 +58,4 @@ fn in_leaf_order(triangles: &[FlatTriangle], references: &[Reference]) -> Vec<Fl
         }
     });
     ordered
-}
-
-/// A clock that stands still where there is none.
-struct Clock {
-    #[cfg(not(target_family = "wasm"))]
-    start: std::time::Instant,
-}
-
-impl Clock {
-    fn start() -> Self {
-        Self {
-            #[cfg(not(target_family = "wasm"))]
-            start: std::time::Instant::now(),
-        }
-    }
-
-    fn elapsed(&self) -> Duration {
-        #[cfg(not(target_family = "wasm"))]
-        return self.start.elapsed();
-        #[cfg(target_family = "wasm")]
-        Duration::ZERO
-    }
 }

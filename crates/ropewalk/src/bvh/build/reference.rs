@@ -16,7 +16,7 @@ pub(super) struct Reference {
 impl Reference {
     const INDEX_BITS: u32 = (1 << 22) - 1;
 
-    fn new(bounds: &Aabb, index: u32) -> Self {
+    pub(super) fn new(bounds: &Aabb, index: u32) -> Self {
         let dress = |bits: u32| f32::from_bits(bits & Self::INDEX_BITS | 2.0_f32.to_bits());
         Self { low: bounds.min.extend(dress(index)), high: bounds.max.extend(dress(index >> 22)) }
     }
@@ -24,6 +24,31 @@ impl Reference {
     pub(super) fn index(&self) -> usize {
         let bits = |lane: f32| lane.to_bits() & Self::INDEX_BITS;
         (bits(self.low.w) | bits(self.high.w) << 22) as usize
+    }
+
+    /// Where the box begins and ends along an axis.
+    #[inline(always)]
+    pub(super) fn span(&self, axis: usize) -> [f32; 2] {
+        [self.low[axis], self.high[axis]]
+    }
+
+    /// The parts of the box below a plane across `axis` and above it. The plane belongs to both.
+    #[inline(always)]
+    pub(super) fn cut(&self, axis: usize, plane: f32) -> [Self; 2] {
+        let (mut below, mut above) = (*self, *self);
+        below.high[axis] = plane;
+        above.low[axis] = plane;
+        [below, above]
+    }
+
+    /// The rank along an axis: by the centre, ties by the index. No two references of different primitives have the
+    /// same, so that every sort is deterministic.
+    #[inline(always)]
+    pub(super) fn key(&self, axis: usize) -> u64 {
+        let bits = self.doubled_center()[axis].to_bits();
+        // The order of the bits as a number is that of the values once negative ones are turned round.
+        let ordered = if bits >> 31 == 0 { bits | 1 << 31 } else { !bits };
+        u64::from(ordered) << 32 | self.index() as u64
     }
 
     /// Twice the centre of the box. The fourth lane means nothing.
@@ -43,6 +68,13 @@ pub(super) struct Extent {
 impl Extent {
     pub(super) const EMPTY: Self = Self { low: Vec4::INFINITY, high: Vec4::NEG_INFINITY };
 
+    /// The box around some references.
+    pub(super) fn of(references: &[Reference]) -> Self {
+        let mut extent = Self::EMPTY;
+        references.iter().for_each(|reference| extent.add(reference));
+        extent
+    }
+
     #[inline(always)]
     pub(super) fn add(&mut self, reference: &Reference) {
         self.low = self.low.min(reference.low);
@@ -53,6 +85,18 @@ impl Extent {
     pub(super) fn add_point(&mut self, point: Vec4) {
         self.low = self.low.min(point);
         self.high = self.high.max(point);
+    }
+
+    /// What both contain; of negative size where that is nothing.
+    #[inline(always)]
+    pub(super) fn intersection(self, other: Self) -> Self {
+        Self { low: self.low.max(other.low), high: self.high.min(other.high) }
+    }
+
+    /// Whether there is no point in the box: not even one of a flat box.
+    #[inline(always)]
+    pub(super) fn is_empty(&self) -> bool {
+        self.low.cmple(self.high).bitmask() & 0b111 != 0b111
     }
 
     #[inline(always)]

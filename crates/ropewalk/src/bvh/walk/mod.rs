@@ -11,6 +11,7 @@
 //! | `recursive` | depth-first recursion | blog 2022 |
 //! | `postponed` | a stack; leaves are handled at their parent; culling and sorting can be added | blog 2022 |
 //! | `ordered` | a stack; leaves are ordered like inner nodes and entries are culled again at pop | the usual best |
+//! | `restart_trail` | one bit a level and a short stack of any size, or none | Laine 2010 |
 //!
 //! All start at the root's children: the root's own box is not tested. A stack entry is two words.
 
@@ -19,6 +20,8 @@ mod collect;
 mod ordered;
 mod postponed;
 mod recursive;
+mod restart_trail;
+pub(crate) mod short_stack;
 mod single;
 mod visitor;
 
@@ -26,6 +29,7 @@ pub use collect::{AllHits, AnyHit, ClosestHit, Collect, HitCount, Summary};
 pub use ordered::Ordered;
 pub use postponed::Postponed;
 pub use recursive::Recursive;
+pub use restart_trail::{ArrayTrail, RestartTrail, Trail, TrailU32, TrailU64};
 pub use visitor::{TriangleVisitor, Visitor};
 
 use super::Node;
@@ -56,10 +60,10 @@ impl StackOrder {
     ];
 }
 
-/// A walk through valid nodes: see [`super::Bvh`] for what valid means.
-pub trait BvhWalk {
+/// A walk through valid nodes: see [`super::Bvh`] for what valid means. A value holds the settings of the walk.
+pub trait BvhWalk: Copy + Sync {
     /// Shows the visitor every leaf that the ray may hit something in, until the visitor has seen enough.
-    fn walk<V: Visitor>(nodes: &[Node], ray: &PreparedRay, visitor: &mut V);
+    fn walk<V: Visitor>(self, nodes: &[Node], ray: &PreparedRay, visitor: &mut V);
 }
 
 /// Visits one leaf after the other without asking any box: every triangle is tested.
@@ -67,7 +71,7 @@ pub trait BvhWalk {
 pub struct BruteForce;
 
 impl BvhWalk for BruteForce {
-    fn walk<V: Visitor>(nodes: &[Node], _ray: &PreparedRay, visitor: &mut V) {
+    fn walk<V: Visitor>(self, nodes: &[Node], _ray: &PreparedRay, visitor: &mut V) {
         for leaf in nodes.iter().filter(|node| node.is_leaf()) {
             if visitor.leaf(leaf.link, leaf.count).is_break() {
                 return;
@@ -78,7 +82,7 @@ impl BvhWalk for BruteForce {
 
 /// The padded slab test of a node's box.
 #[inline(always)]
-fn test(node: &Node, ray: &PreparedRay, t_max: f32) -> Interval {
+pub(crate) fn test(node: &Node, ray: &PreparedRay, t_max: f32) -> Interval {
     let [min, max] = node.corners();
     slab_test(ray, min, max, t_max)
 }

@@ -11,19 +11,19 @@ use crate::bvh::{MAX_DEPTH, Node};
 pub struct Ordered;
 
 /// A child that waits, and where the ray enters it.
-#[derive(Clone, Copy)]
-struct Entry {
-    node: u32,
-    entry: f32,
+#[derive(Clone, Copy, Default)]
+pub(super) struct Entry {
+    pub(super) node: u32,
+    pub(super) entry: f32,
 }
 
 impl BvhWalk for Ordered {
     #[inline(always)]
-    fn walk<V: Visitor>(nodes: &[Node], ray: &PreparedRay, visitor: &mut V) {
+    fn walk<V: Visitor>(self, nodes: &[Node], ray: &PreparedRay, visitor: &mut V) {
         if nodes.is_empty() {
             return;
         }
-        let mut stack = [Entry { node: 0, entry: 0.0 }; MAX_DEPTH as usize];
+        let mut stack = [Entry::default(); MAX_DEPTH as usize];
         let mut entries = 0;
         let mut current = 0;
         loop {
@@ -33,7 +33,7 @@ impl BvhWalk for Ordered {
                     return;
                 }
             } else {
-                visitor.inner_visit();
+                visitor.inner_visit(current);
                 let (first, second) = (current + 1, node.link);
                 let a = test(&nodes[first as usize], ray, visitor.t_max());
                 let b = test(&nodes[second as usize], ray, visitor.t_max());

@@ -16,7 +16,7 @@ pub struct Postponed<const CULL: bool, const SORT: bool>;
 
 impl<const CULL: bool, const SORT: bool> BvhWalk for Postponed<CULL, SORT> {
     #[inline(always)]
-    fn walk<V: Visitor>(nodes: &[Node], ray: &PreparedRay, visitor: &mut V) {
+    fn walk<V: Visitor>(self, nodes: &[Node], ray: &PreparedRay, visitor: &mut V) {
         let Some(root) = nodes.first() else { return };
         if root.is_leaf() {
             let _ = visitor.leaf(root.link, root.count);
@@ -26,7 +26,7 @@ impl<const CULL: bool, const SORT: bool> BvhWalk for Postponed<CULL, SORT> {
         let mut entries = 0;
         let mut current = 0;
         loop {
-            visitor.inner_visit();
+            visitor.inner_visit(current);
             let limit = if CULL { visitor.t_max() } else { ray.t_max };
             let (first, second) = (current + 1, nodes[current as usize].link);
             let (node_a, node_b) = (&nodes[first as usize], &nodes[second as usize]);

@@ -12,7 +12,7 @@ pub struct Recursive;
 
 impl BvhWalk for Recursive {
     #[inline(always)]
-    fn walk<V: Visitor>(nodes: &[Node], ray: &PreparedRay, visitor: &mut V) {
+    fn walk<V: Visitor>(self, nodes: &[Node], ray: &PreparedRay, visitor: &mut V) {
         if let Some(root) = nodes.first() {
             let _ = if root.is_leaf() {
                 visitor.leaf(root.link, root.count)
@@ -24,7 +24,7 @@ impl BvhWalk for Recursive {
 }
 
 fn traverse<V: Visitor>(nodes: &[Node], ray: &PreparedRay, visitor: &mut V, current: u32) -> ControlFlow<()> {
-    visitor.inner_visit();
+    visitor.inner_visit(current);
     for child in [current + 1, nodes[current as usize].link] {
         let node = &nodes[child as usize];
         if test(node, ray, ray.t_max).is_hit() {

@@ -8,10 +8,12 @@ use std::ops::ControlFlow;
 pub trait Visitor {
     /// Nothing beyond this `t` is of interest any more. It never grows.
     fn t_max(&self) -> f32;
-    /// The boxes of a node's children are about to be tested.
-    fn inner_visit(&mut self);
+    /// The boxes of the children of this inner node are about to be tested.
+    fn inner_visit(&mut self, node: u32);
     /// The stack holds this many entries after a push.
     fn stack_depth(&mut self, entries: usize);
+    /// The walk goes back to the root.
+    fn restart(&mut self);
     /// A leaf over `count` primitives from `first` on. `Break` ends the walk.
     fn leaf(&mut self, first: u32, count: u32) -> ControlFlow<()>;
 }
@@ -36,13 +38,18 @@ impl<C: Collect, P: Probe> Visitor for TriangleVisitor<'_, C, P> {
     }
 
     #[inline(always)]
-    fn inner_visit(&mut self) {
+    fn inner_visit(&mut self, _node: u32) {
         self.probe.inner_visit();
     }
 
     #[inline(always)]
     fn stack_depth(&mut self, entries: usize) {
         self.probe.stack_depth(entries);
+    }
+
+    #[inline(always)]
+    fn restart(&mut self) {
+        self.probe.restart();
     }
 
     #[inline(always)]

@@ -1,5 +1,10 @@
 //! Many rays at once, and what comes back: the same types from the CPU and from a GPU.
 
+mod trace;
+
+pub use trace::settle;
+pub(crate) use trace::{CHUNK, Traversal};
+
 use crate::{CounterTotals, Counters, Hit, Query, Status};
 
 /// How a batch is traced.

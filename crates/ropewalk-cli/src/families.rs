@@ -1,0 +1,374 @@
+//! The catalogue in short: structures by kind, and walks by family with the ranges of their keys.
+//!
+//! The catalogue has hundreds of rows, most of which differ in one number. Here all walks of one name that answer the
+//! same queries on the same devices stand in one line, such as `restart-trail[:short-stack=0..16,register=auto|u64]`.
+//! Every setting that can be written is asked for, not only those that the conformance suite tries, so a line says
+//! neither more nor less than what is offered.
+
+use ropewalk::bvh::{LeafOrder, MAX_DEPTH, StackOrder};
+use ropewalk::catalogue::{StackMemory, StructureKind, TrailOptions, TrailRegister, is_offered};
+use ropewalk::wide_bvh::{Collapse, Width};
+use ropewalk::{BuildOptions, Builder, DeviceKind, Query, StructureSpec, Walk};
+use serde::Serialize;
+
+/// Walks of one name that answer the same queries.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct Family {
+    /// The name of the kind of structure.
+    pub(crate) structure: &'static str,
+    /// How its walks are written: values of a key with `|` between, what may be left out in brackets.
+    pub(crate) walk: String,
+    /// What they answer on the CPU.
+    pub(crate) cpu: Vec<&'static str>,
+    /// What they answer on a graphics adapter.
+    pub(crate) gpu: Vec<&'static str>,
+    /// What they are.
+    pub(crate) about: &'static str,
+    /// The walks one by one.
+    #[serde(skip)]
+    pub(crate) walks: Vec<Walk>,
+}
+
+/// A kind of structure and how it is written.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct KindRecord {
+    pub(crate) structure: &'static str,
+    /// What it is.
+    pub(crate) about: &'static str,
+    /// Its keys with their values, and the value that each has when it is left out.
+    pub(crate) keys: Vec<KeyRecord>,
+    /// The settings in which the conformance suite tries it.
+    pub(crate) tried: Vec<String>,
+}
+
+/// A key of a structure.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub(crate) struct KeyRecord {
+    pub(crate) key: &'static str,
+    pub(crate) values: String,
+    pub(crate) default: String,
+}
+
+/// Every kind of structure.
+pub(crate) fn kinds() -> Vec<KindRecord> {
+    let kind = |kind: StructureKind| {
+        let (about, mut keys) = match kind {
+            StructureKind::Bvh => ("a binary bounding volume hierarchy", Vec::new()),
+            StructureKind::WideBvh => {
+                let width = choice("width", &Width::NAMES, &Width::default());
+                let collapse = choice("collapse", &Collapse::NAMES, &Collapse::default());
+                (
+                    "a bounding volume hierarchy of 4 or 8 children a node, collapsed from a binary one",
+                    vec![width, collapse],
+                )
+            }
+        };
+        keys.extend(build_keys());
+        let tried = StructureSpec::every().into_iter().filter(|spec| spec.kind() == kind);
+        KindRecord {
+            structure: kind.name(),
+            about,
+            keys,
+            tried: tried.map(|spec| spec.to_string()).collect(),
+        }
+    };
+    StructureKind::EVERY.into_iter().map(kind).collect()
+}
+
+fn build_keys() -> [KeyRecord; 7] {
+    let plain = BuildOptions::default();
+    let number = |key, smallest: u32, largest: u32, default: u32| KeyRecord {
+        key,
+        values: format!("{smallest}..{largest}"),
+        default: default.to_string(),
+    };
+    [
+        choice("builder", &Builder::NAMES, &plain.builder),
+        number("max-leaf", 1, 255, plain.max_leaf),
+        number("max-depth", 1, MAX_DEPTH, plain.max_depth),
+        number("bins", 2, BuildOptions::MAX_BINS as u32, plain.bins),
+        number("duplication", 0, BuildOptions::MAX_DUPLICATION, plain.duplication),
+        number("reinsertion", 0, BuildOptions::MAX_REINSERTION, plain.reinsertion),
+        choice("leaf-order", &LeafOrder::NAMES, &plain.leaf_order),
+    ]
+}
+
+fn choice<T: PartialEq>(key: &'static str, names: &[(&str, T)], default: &T) -> KeyRecord {
+    let default = names.iter().find(|(_, value)| value == default).map_or("", |(name, _)| name);
+    let values: Vec<&str> = names.iter().map(|(name, _)| *name).collect();
+    KeyRecord { key, values: values.join("|"), default: default.into() }
+}
+
+/// Every family of every kind of structure, in the catalogue's order.
+pub(crate) fn families() -> Vec<Family> {
+    StructureKind::EVERY.into_iter().flat_map(of_kind).collect()
+}
+
+fn of_kind(kind: StructureKind) -> Vec<Family> {
+    grouped(kind, |walk, device| {
+        let offered = |query: &Query| is_offered(kind, walk, *query, device);
+        Query::EVERY.into_iter().filter(offered).map(Query::name).collect()
+    })
+}
+
+/// The walks of a kind of structure in families, by what they answer on a device.
+pub(crate) fn grouped(
+    kind: StructureKind,
+    answers: impl Fn(Walk, DeviceKind) -> Vec<&'static str>,
+) -> Vec<Family> {
+    let mut families: Vec<Family> = Vec::new();
+    for walk in every_walk() {
+        let (cpu, gpu) = (answers(walk, DeviceKind::Cpu), answers(walk, DeviceKind::Gpu));
+        if cpu.is_empty() && gpu.is_empty() {
+            continue;
+        }
+        let same = |family: &&mut Family| {
+            family.walks.first().is_some_and(|first| first.name() == walk.name())
+                && (&family.cpu, &family.gpu) == (&cpu, &gpu)
+        };
+        match families.iter_mut().find(same) {
+            Some(family) => family.walks.push(walk),
+            None => families.push(Family {
+                structure: kind.name(),
+                walk: String::new(),
+                cpu,
+                gpu,
+                about: "",
+                walks: vec![walk],
+            }),
+        }
+    }
+    for family in &mut families {
+        family.walk = written(&family.walks);
+        family.about = about(&family.walks);
+    }
+    families
+}
+
+/// Every walk that can be written.
+fn every_walk() -> Vec<Walk> {
+    let mut walks = vec![Walk::BruteForce, Walk::Recursive];
+    walks.extend(StackOrder::NAMES.iter().map(|(_, order)| Walk::Stack(*order)));
+    for &(_, memory) in StackMemory::NAMES {
+        for &(_, register) in TrailRegister::NAMES {
+            for short_stack in 0..=TrailOptions::MAX_SHORT_STACK {
+                walks.push(Walk::RestartTrail(TrailOptions { short_stack, register, memory }));
+            }
+        }
+    }
+    walks
+}
+
+/// What a family is: of one walk its own words, of several what is common to them.
+fn about(walks: &[Walk]) -> &'static str {
+    match walks {
+        [Walk::Stack(_), _, ..] => {
+            "a stack, in the stages of the blog of 2022: nothing culled, culled, nearer child first"
+        }
+        [Walk::RestartTrail(_), ..] => {
+            "a short stack or none; a trail of bits leads back after a restart (Laine 2010)"
+        }
+        [first, ..] => first.about(),
+        [] => "",
+    }
+}
+
+/// A key, its values in one family, and whether the value that it has when it is left out is among them.
+struct Key {
+    name: &'static str,
+    values: String,
+    may_be_left_out: bool,
+}
+
+/// How the walks of a family are written in one line; one by one where no line says exactly that.
+fn written(walks: &[Walk]) -> String {
+    let Some(first) = walks.first() else { return String::new() };
+    let one_by_one = || walks.iter().map(Walk::to_string).collect::<Vec<_>>().join(" ");
+    let keys = match first {
+        Walk::BruteForce | Walk::Recursive => Vec::new(),
+        Walk::Stack(_) => {
+            let orders = walks.iter().filter_map(|walk| match walk {
+                Walk::Stack(order) => Some(*order),
+                _ => None,
+            });
+            vec![names("order", StackOrder::NAMES, &orders.collect::<Vec<_>>())]
+        }
+        Walk::RestartTrail(_) => {
+            let trails: Vec<TrailOptions> = walks
+                .iter()
+                .filter_map(|walk| match walk {
+                    Walk::RestartTrail(options) => Some(*options),
+                    _ => None,
+                })
+                .collect();
+            match trail_keys(&trails) {
+                Some(keys) => keys,
+                None => return one_by_one(),
+            }
+        }
+    };
+    let (optional, needed): (Vec<Key>, Vec<Key>) = keys.into_iter().partition(|key| key.may_be_left_out);
+    let join = |keys: &[Key]| {
+        keys.iter().map(|key| format!("{}={}", key.name, key.values)).collect::<Vec<_>>().join(",")
+    };
+    let (needed, optional) = (join(&needed), join(&optional));
+    match (needed.is_empty(), optional.is_empty()) {
+        (true, true) => first.name().into(),
+        (false, true) => format!("{}:{needed}", first.name()),
+        (true, false) => format!("{}[:{optional}]", first.name()),
+        (false, false) => format!("{}:{needed}[,{optional}]", first.name()),
+    }
+}
+
+/// The keys of trails; `None` where the trails are not all combinations of their values.
+fn trail_keys(trails: &[TrailOptions]) -> Option<Vec<Key>> {
+    let mut sizes: Vec<u32> = trails.iter().map(|trail| trail.short_stack).collect();
+    sizes.sort_unstable();
+    sizes.dedup();
+    let (smallest, largest) = (*sizes.first()?, *sizes.last()?);
+    let is_range = sizes.len() == (largest - smallest + 1) as usize;
+    let registers: Vec<TrailRegister> = trails.iter().map(|trail| trail.register).collect();
+    let memories: Vec<StackMemory> = trails.iter().map(|trail| trail.memory).collect();
+    let register = names("register", TrailRegister::NAMES, &registers);
+    let memory = names("memory", StackMemory::NAMES, &memories);
+    let count = |key: &Key| key.values.split('|').count();
+    if !is_range || sizes.len() * count(&register) * count(&memory) != trails.len() {
+        return None;
+    }
+    let plain = TrailOptions::default();
+    let short_stack = Key {
+        name: "short-stack",
+        values: format!("{smallest}..{largest}"),
+        may_be_left_out: sizes.contains(&plain.short_stack),
+    };
+    Some(vec![short_stack, register, memory])
+}
+
+fn names<T: PartialEq + Default>(name: &'static str, names: &[(&str, T)], there: &[T]) -> Key {
+    let values: Vec<&str> =
+        names.iter().filter(|(_, value)| there.contains(value)).map(|(name, _)| *name).collect();
+    Key { name, values: values.join("|"), may_be_left_out: there.contains(&T::default()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ropewalk::catalogue::rows;
+
+    /// Nothing that is offered may be missing, and nothing may stand there that is not offered.
+    #[test]
+    fn every_row_is_in_exactly_one_family() {
+        let families = families();
+        for row in rows() {
+            let kind = row.structure.kind().name();
+            let of: Vec<&Family> = families
+                .iter()
+                .filter(|family| family.structure == kind && family.walks.contains(&row.walk))
+                .collect();
+            let [family] = of[..] else { panic!("{row:?} is in {} families", of.len()) };
+            let queries = if row.device == DeviceKind::Cpu { &family.cpu } else { &family.gpu };
+            assert!(queries.contains(&row.query.name()), "{row:?}");
+        }
+        for family in &families {
+            for &walk in &family.walks {
+                for (device, queries) in [(DeviceKind::Cpu, &family.cpu), (DeviceKind::Gpu, &family.gpu)] {
+                    for query in Query::EVERY {
+                        let kind =
+                            StructureKind::EVERY.into_iter().find(|kind| kind.name() == family.structure);
+                        let offered = is_offered(kind.unwrap(), walk, query, device);
+                        assert_eq!(offered, queries.contains(&query.name()), "{walk} {query} {device}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// Taken apart again, a line stands for its walks and for no other.
+    #[test]
+    fn a_line_says_which_walks_it_stands_for() {
+        for family in families() {
+            let (needed, optional) = match family.walk.split_once('[') {
+                Some((needed, optional)) => {
+                    (needed, optional.trim_end_matches(']').trim_start_matches([':', ',']))
+                }
+                None => (family.walk.as_str(), ""),
+            };
+            let (name, needed) = needed.split_once(':').unwrap_or((needed, ""));
+            let mut texts = vec![String::new()];
+            for key in needed.split(',').chain(optional.split(',')).filter(|key| !key.is_empty()) {
+                let (key, values) = key.split_once('=').unwrap();
+                let values: Vec<String> = match values.split_once("..") {
+                    Some((from, to)) => {
+                        (from.parse().unwrap()..=to.parse::<u32>().unwrap()).map(|n| n.to_string()).collect()
+                    }
+                    None => values.split('|').map(str::to_owned).collect(),
+                };
+                texts = texts
+                    .iter()
+                    .flat_map(|text| values.iter().map(move |value| format!("{text},{key}={value}")))
+                    .collect();
+            }
+            let mut walks: Vec<Walk> = texts
+                .iter()
+                .map(|text| format!("{name}:{}", text.trim_start_matches(',')).parse().unwrap())
+                .collect();
+            let mut expected = family.walks.clone();
+            let sort = |walks: &mut Vec<Walk>| walks.sort_by_key(Walk::to_string);
+            sort(&mut walks);
+            sort(&mut expected);
+            assert_eq!(walks, expected, "{}", family.walk);
+            let plain = name.parse::<Walk>().unwrap();
+            assert_eq!(needed.is_empty(), expected.contains(&plain), "{}", family.walk);
+        }
+    }
+
+    #[test]
+    fn walks_that_are_no_product_are_named_one_by_one() {
+        let trail = |short_stack| Walk::RestartTrail(TrailOptions { short_stack, ..TrailOptions::default() });
+        assert_eq!(
+            written(&[trail(3), trail(4), trail(5)]),
+            "restart-trail[:short-stack=3..5,register=auto,memory=private]"
+        );
+        let text = "restart-trail:short-stack=3 restart-trail:short-stack=5";
+        assert_eq!(written(&[trail(3), trail(5)]), text);
+    }
+
+    /// The keys are written with values that the program takes, and with no others.
+    #[test]
+    fn keys_take_the_values_that_they_say() {
+        for kind in kinds() {
+            for key in &kind.keys {
+                let parse =
+                    |value: &str| format!("{}:{}={value}", kind.structure, key.key).parse::<StructureSpec>();
+                let values: Vec<&str> = match key.values.split_once("..") {
+                    Some((from, to)) => vec![from, to],
+                    None => key.values.split('|').collect(),
+                };
+                for value in values {
+                    assert!(parse(value).is_ok(), "{} {}={value}", kind.structure, key.key);
+                }
+                assert_eq!(parse(&key.default), kind.structure.parse(), "{}", key.key);
+            }
+            let wrong = format!("{}:colour=red", kind.structure).parse::<StructureSpec>().unwrap_err();
+            for key in &kind.keys {
+                assert!(wrong.to_string().contains(key.key), "{wrong} lacks {}", key.key);
+            }
+        }
+    }
+
+    /// A build refuses what lies beyond the ends that are shown.
+    #[test]
+    fn ranges_end_where_builders_refuse() {
+        let scene = ropewalk::Scene::default();
+        for key in build_keys() {
+            let Some((from, to)) = key.values.split_once("..") else { continue };
+            let (from, to): (u32, u32) = (from.parse().unwrap(), to.parse().unwrap());
+            let builds = |value: u32| {
+                let spec: StructureSpec = format!("bvh:{}={value}", key.key).parse().unwrap();
+                spec.build(&scene, &ropewalk::NoMonitor).is_ok()
+            };
+            assert!(builds(from) && builds(to) && !builds(to + 1), "{}", key.key);
+            assert!(from == 0 || !builds(from - 1), "{}", key.key);
+        }
+    }
+}

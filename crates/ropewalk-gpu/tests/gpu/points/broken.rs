@@ -1,0 +1,153 @@
+//! Shaders that are broken on purpose: the twin tests must notice each of them, or they prove nothing.
+
+use super::compare::{Agreement, compare_closest, compare_nearest};
+use super::{COUNTED, asked, bvh};
+use crate::machine::on_every_adapter;
+use crate::{scenes, trees};
+use ropewalk::{PointQuery, Walk};
+use ropewalk_gpu::shader::ShaderLibrary;
+use ropewalk_gpu::{GpuStructure, Tracer, TracerOptions};
+
+/// A file, what stands in it, and what is put there instead.
+type Damage = (&'static str, &'static str, &'static str);
+
+const SHARED: &[Damage] = &[
+    ("shared/point_query", "all(size <= vec3<u32>(", "all(size < vec3<u32>("),
+    ("shared/point_query", "all(size <= vec3<u32>(#{LARGEST_POINT_BITS}))", "true"),
+    ("shared/point_query", "radius <= 0x7f800000u", "radius < 0x7f800000u"),
+    ("shared/point_query", "radius <= 0x7f800000u", "radius <= 0x7fffffffu"),
+    ("shared/point_query", " || radius == 0x80000000u", ""),
+    ("shared/point_query", "query.mask << 24u", "0xff000000u"),
+    ("shared/point_distance", "max(low - point, point - high)", "low - point"),
+    ("shared/point_distance", "max(low - point, point - high)", "point - high"),
+    ("shared/point_distance", " * #{PAD_EXIT}", ""),
+    ("shared/point_distance", "min(distance, 1e19)", "min(distance, 1e3)"),
+    ("shared/point_distance", "farthest.z)) * share", "farthest.z)) * 0.0"),
+    ("shared/point_distance", "max(abs(point - low), abs(high - point))", "abs(high - point)"),
+    ("shared/point_foot", "other.square < one.square", "other.square > one.square"),
+    ("shared/point_foot", "weight > 0.0 && weight < 1.0", "weight > 0.0"),
+    ("shared/point_foot", "weight > 0.0 && weight < 1.0", "weight < 1.0"),
+    ("shared/point_foot", "(0.0, weight), backwards)", "(weight, 0.0), backwards)"),
+    ("shared/point_foot", "square_0 <= square_1 && square_0 <= square_2", "square_0 < square_1 && square_0 <= square_2"),
+    ("shared/point_foot", "else if square_1 <= square_2", "else if square_1 < square_2"),
+    ("shared/point_foot", "length_0 >= length_1 && length_0 >= length_2", "true"),
+    ("shared/point_foot", "else if length_1 >= length_2", "else if length_1 < length_2"),
+    ("shared/point_foot", "let along = first + more", "let along = first"),
+    ("shared/point_foot", "corner * -scale", "corner * scale"),
+    ("shared/point_foot", "bitcast<f32>(0x7f000000u - (bitcast<u32>(extent) & 0x7f800000u))", "1.0"),
+    ("shared/point_foot", "along.y > 0.0 && along.x + along.y < 1.0", "along.y > 0.0"),
+    ("shared/point_foot", "1.0 - (foot.along.x + foot.along.y)", "1.0 - foot.along.y - foot.along.x"),
+    ("shared/point_foot", "vec2<f32>(rest, foot.along.x)", "vec2<f32>(foot.along.x, rest)"),
+    ("shared/point_triangle", "box_square > limit", "box_square >= limit"),
+    ("shared/point_triangle", "max(foot.square, box_square)", "foot.square"),
+    ("shared/point_triangle", "return *square <= limit", "return *square < limit"),
+    ("shared/point_triangle", "without_negative_zero(position.x)", "position.x"),
+    ("shared/point_triangle", "(triangle.instance_and_mask & query.mask) == 0u", "false"),
+    ("shared/point_triangle", " & ~#{MIRROR}", ""),
+    ("shared/point_triangle", " & 0x00ffffffu", ""),
+    ("shared/point_order", "id_a.x < id_b.x", "id_a.x > id_b.x"),
+    ("shared/point_order", "id_a.y < id_b.y", "id_a.y > id_b.y"),
+    ("shared/point_order", "id_a.z < id_b.z", "id_a.z > id_b.z"),
+    ("shared/point_order", " & 0x00ffffffu", ""),
+    ("shared/point_order", " & ~#{MIRROR}", ""),
+    ("shared/point_closest", "found.distance > (*collect).limit", "found.distance >= (*collect).limit"),
+    ("shared/point_closest", "(*collect).limit = found.distance", "(*collect).limit = (*collect).limit"),
+    ("shared/point_closest", "found.distance + (*collect).slack", "found.distance"),
+    ("shared/point_nearest", "found.distance > (*collect).limit", "found.distance >= (*collect).limit"),
+    ("shared/point_nearest", "place > 0u && !is_preferred(", "false && !is_preferred("),
+    ("shared/point_nearest", "(*collect).held < (*collect).room", "(*collect).held + 1u < (*collect).room"),
+    ("shared/point_nearest", "(*collect).limit + (*collect).slack", "(*collect).limit"),
+    ("shared/point_nearest", "(*collect).room - 1u].distance", "0u].distance"),
+    ("shared/point_nearest", "[moved] = (*collect).nearest[moved - 1u]", "[moved] = found"),
+    ("shared/point_leaf", "first + i), query", "first), query"),
+    ("shared/point_leaf", "sqrt(square), first + i", "sqrt(square), first"),
+    ("shared/point_leaf", "probe_leaf_visit();", ""),
+    ("shared/point_leaf", "probe_primitive_test();", ""),
+    ("shared/point_leaf", "square_b < square_a", "square_b <= square_a"),
+    ("shared/point_leaf", "square_b < square_a", "square_b > square_a"),
+    ("kernel/points", "var status = STATUS_INVALID_RAY", "var status = STATUS_COMPLETE"),
+    ("kernel/points", "batch.slack_share > 0.0", "false"),
+];
+
+const STACK: &[Damage] = &[
+    ("walk/walk_point_stack", ".entry <= (*collect).reach", ".entry < (*collect).reach"),
+    ("walk/walk_point_stack", ".near_square <= (*collect).reach", ".near_square < (*collect).reach"),
+    ("walk/walk_point_stack", ".far_square <= (*collect).reach", ".far_square < (*collect).reach"),
+    ("walk/walk_point_stack", "children.far, children.far_square", "children.far, children.near_square"),
+    ("walk/walk_point_stack", "probe_inner_visit();", ""),
+    ("walk/walk_point_stack", "probe_stack_depth(entries);", "probe_stack_depth(entries + 1u);"),
+];
+
+const TRAIL: &[Damage] = &[
+    ("walk/walk_point_restart_trail", "far.entry <= (*collect).reach", "far.entry < (*collect).reach"),
+    ("walk/walk_point_restart_trail", "far.entry <= (*collect).reach", "true"),
+    ("walk/walk_point_restart_trail", ".near_square <= (*collect).reach", ".near_square < (*collect).reach"),
+    ("walk/walk_point_restart_trail", ".far_square <= (*collect).reach", ".far_square < (*collect).reach"),
+    ("walk/walk_point_restart_trail", "else if is_pop_level(&trail)", "else if false"),
+    ("walk/walk_point_restart_trail", "set_single(&trail);", ""),
+    ("walk/walk_point_restart_trail", "if !go_far", "if true"),
+    ("walk/walk_point_restart_trail", "select(children.near, children.far, go_far)", "children.near"),
+    ("walk/walk_point_restart_trail", "probe_restart();", ""),
+    ("walk/walk_point_restart_trail", "probe_inner_visit();", ""),
+];
+
+#[test]
+fn broken_parts_are_noticed() {
+    notice("stack", &[SHARED, STACK].concat());
+}
+
+#[test]
+fn broken_trails_are_noticed() {
+    notice("restart-trail:short-stack=2,register=array", TRAIL);
+}
+
+fn notice(walk: &str, damages: &[Damage]) {
+    let walk: Walk = walk.parse().unwrap();
+    let cases: Vec<_> = trees::split()
+        .into_iter()
+        .chain(trees::chains())
+        .chain(scenes::every())
+        .map(asked)
+        .map(|(case, queries)| {
+            let bvh = bvh(&case.structure);
+            let closest = bvh.closest_points(walk, &queries, COUNTED).unwrap();
+            let nearest = bvh.nearest_points(walk, 5, &queries, COUNTED).unwrap();
+            (case, queries, closest, nearest)
+        })
+        .collect();
+    on_every_adapter(|machine| {
+        // Elsewhere rounding hides small damage, and the comparison is a looser one.
+        if !machine.is_exact() {
+            return;
+        }
+        let uploaded: Vec<GpuStructure> =
+            cases.iter().map(|(case, ..)| machine.trusted.upload(&case.structure).unwrap()).collect();
+        let mut unnoticed = Vec::new();
+        for &(file, sound, broken) in damages {
+            let library = ShaderLibrary::shipped();
+            let text = library.text(file).unwrap();
+            assert!(text.contains(sound), "'{sound}' stands no longer in {file}");
+            let text = text.replace(sound, broken);
+            let mut how = TracerOptions::default();
+            // One stack size for all scenes, so that each damage is compiled once; and a walk that has lost its way ends.
+            how.stack_entries = Some(64);
+            how.step_budget = Some(20_000);
+            let tracer = Tracer::with_library(machine.gpu().clone(), how, library.with(file, text));
+            let noticed = cases.iter().zip(&uploaded).any(|((_, queries, closest, nearest), uploaded)| {
+                let queries: &[PointQuery] = queries;
+                let gpu = tracer.closest_points(uploaded, walk, queries, COUNTED);
+                let gpu = gpu.unwrap_or_else(|error| panic!("{file}: '{broken}' does not run: {error}"));
+                if compare_closest(queries, closest, &gpu.answers, Agreement::Exact).is_err() {
+                    return true;
+                }
+                let gpu = tracer.nearest_points(uploaded, walk, 5, queries, COUNTED);
+                let gpu = gpu.unwrap_or_else(|error| panic!("{file}: '{broken}' does not run: {error}"));
+                compare_nearest(queries, nearest, &gpu.answers, Agreement::Exact).is_err()
+            });
+            if !noticed {
+                unnoticed.push(format!("{file}: '{broken}' for '{sound}'"));
+            }
+        }
+        assert!(unnoticed.is_empty(), "not noticed:\n{}", unnoticed.join("\n"));
+    });
+}

@@ -1,0 +1,159 @@
+//! One ray or many through a structure by one walk, whatever both are: what all structures share.
+//!
+//! Rays are spread over threads in chunks; answers come back in the order of the rays.
+
+use super::{Answer, HitLists, TraceOptions, Traced};
+use crate::bvh::walk::{AllHits, AnyHit, ClosestHit, Collect, HitCount, Summary};
+use crate::parallel::{fill_chunks, map_chunks};
+use crate::{Counters, Hit, NoProbe, PreparedRay, Probe, Query, Ray, Status};
+
+/// Rays that a thread takes at a time: long enough to hide the hand-over, short enough to share the work.
+pub(crate) const CHUNK: usize = 1024;
+
+/// A structure together with the way to walk it.
+pub(crate) trait Traversal: Sync {
+    /// Leads a ray through the structure, and gives back what was collected and counted.
+    fn visit<C: Collect, P: Probe>(&self, ray: &PreparedRay, collect: C, probe: P) -> (C, P);
+
+    /// Whether a triangle may stand in several leaves, so that its hit may be offered several times.
+    fn has_repeats(&self) -> bool;
+
+    /// The answer of a query, and what was counted on the way. With [`HitCount`] it counts offers.
+    #[inline(always)]
+    fn summary<S: Summary, P: Probe + Default>(&self, ray: &Ray) -> (S::Answer, P) {
+        match PreparedRay::new(ray) {
+            None => Default::default(),
+            Some(ray) => {
+                let (summary, probe) = self.visit(&ray, S::new(&ray), P::default());
+                (summary.answer(), probe)
+            }
+        }
+    }
+
+    /// Appends every hit of a ray, each triangle's once, sorted by `t`, ties by id.
+    fn append_all<P: Probe + Default>(&self, ray: &Ray, hits: &mut Vec<Hit>, probe: P) -> P {
+        let Some(ray) = PreparedRay::new(ray) else { return probe };
+        let first = hits.len();
+        let probe = self.visit(&ray, AllHits::new(&ray, hits), probe).1;
+        settle(hits, first, self.has_repeats());
+        probe
+    }
+
+    /// Traces a batch.
+    fn trace(&self, query: Query, rays: &[Ray], options: TraceOptions) -> Traced {
+        if options.counters {
+            let (answer, counters) = self.by_probe::<Counters>(query, rays);
+            Traced { answer, status: statuses(rays), counters: Some(counters) }
+        } else {
+            let (answer, _) = self.by_probe::<NoProbe>(query, rays);
+            Traced { answer, status: statuses(rays), counters: None }
+        }
+    }
+
+    /// Traces a batch and counts with one probe a ray.
+    fn by_probe<P: Probe + Copy + Default + Send>(&self, query: Query, rays: &[Ray]) -> (Answer, Vec<P>) {
+        match query {
+            Query::Closest => {
+                let (hits, probes) = self.each::<ClosestHit, P>(rays);
+                (Answer::Closest(hits), probes)
+            }
+            Query::Any => {
+                let (hits, probes) = self.each::<AnyHit, P>(rays);
+                (Answer::Any(hits), probes)
+            }
+            Query::Count if self.has_repeats() => {
+                let (lists, probes) = self.lists(rays);
+                (Answer::Count(lists.offsets.windows(2).map(|pair| (pair[1] - pair[0]) as u32).collect()), probes)
+            }
+            Query::Count => {
+                let (counts, probes) = self.each::<HitCount, P>(rays);
+                (Answer::Count(counts), probes)
+            }
+            Query::All => {
+                let (lists, probes) = self.lists(rays);
+                (Answer::All(lists), probes)
+            }
+        }
+    }
+
+    /// The small answers of many rays.
+    fn each<S: Summary, P: Probe + Copy + Default + Send>(&self, rays: &[Ray]) -> (Vec<S::Answer>, Vec<P>) {
+        let mut records = vec![(S::Answer::default(), P::default()); rays.len()];
+        fill_chunks(&mut records, CHUNK, |first, part| {
+            for (record, ray) in part.iter_mut().zip(&rays[first..]) {
+                *record = self.summary::<S, P>(ray);
+            }
+        });
+        records.into_iter().unzip()
+    }
+
+    /// Every hit of many rays.
+    fn lists<P: Probe + Copy + Default + Send>(&self, rays: &[Ray]) -> (HitLists, Vec<P>) {
+        let parts = map_chunks(rays, CHUNK, |_, rays| {
+            let (mut all, mut lens, mut probes) = (Vec::new(), Vec::new(), Vec::new());
+            for ray in rays {
+                let first = all.len();
+                probes.push(self.append_all(ray, &mut all, P::default()));
+                lens.push(all.len() - first);
+            }
+            (all, lens, probes)
+        });
+        let mut lists = HitLists { offsets: vec![0], hits: Vec::new() };
+        let mut probes = Vec::with_capacity(rays.len());
+        let mut end = 0;
+        for (hits, lens, counted) in parts {
+            lists.hits.extend(hits);
+            lists.offsets.extend(lens.into_iter().map(|len| {
+                end += len as u64;
+                end
+            }));
+            probes.extend(counted);
+        }
+        (lists, probes)
+    }
+}
+
+/// Sorts the hits of one ray, those from `first` on, by `t`, ties by id; where the structure
+/// [has repeats](crate::Structure::has_repeats), keeps the hit of each triangle once.
+pub fn settle(hits: &mut Vec<Hit>, first: usize, has_repeats: bool) {
+    let Some(own) = hits.get_mut(first..) else { return };
+    own.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then_with(|| a.id().cmp(&b.id())));
+    if has_repeats {
+        keep_first_of_each(hits, first);
+    }
+}
+
+/// Removes what repeats its predecessor from the sorted hits from `first` on: a triangle in several leaves gives
+/// the same hit, to the bit, in each.
+fn keep_first_of_each(hits: &mut Vec<Hit>, first: usize) {
+    let mut kept = first;
+    for index in first..hits.len() {
+        if index == first || hits[index].id() != hits[kept - 1].id() {
+            hits[kept] = hits[index];
+            kept += 1;
+        }
+    }
+    hits.truncate(kept);
+}
+
+fn statuses(rays: &[Ray]) -> Vec<Status> {
+    let status = |ray: &Ray| if ray.is_valid() { Status::COMPLETE } else { Status::INVALID_RAY };
+    rays.iter().map(status).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_repeated_hit_is_kept_once() {
+        let hit = |t, primitive_index| Hit { t, primitive_index, instance_index: 0, geometry_index: 0, ..Hit::MISS };
+        let (a, b, c) = (hit(1.0, 4), hit(1.0, 5), hit(2.0, 3));
+        let mut hits = vec![a, a, a, b, c, c];
+        keep_first_of_each(&mut hits, 1);
+        assert_eq!(hits, [a, a, b, c], "what stood before is another ray's");
+        let mut none = vec![a];
+        keep_first_of_each(&mut none, 1);
+        assert_eq!(none, [a]);
+    }
+}

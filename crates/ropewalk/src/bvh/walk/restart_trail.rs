@@ -1,0 +1,292 @@
+//! The restart trail (Laine 2010): any BVH without a full stack.
+//!
+//! One bit a level says what is done: 0, the near child is not finished (or there has been nothing yet); 1, the near
+//! child is finished, or there is only one child to visit. When the stack has nothing more to give, the walk goes back
+//! to the root, and the trail leads it to where it was. The stack may therefore have any size, none included: it is a
+//! ring whose oldest entry is dropped when a new one finds no room ([`ShortStack`]).
+//!
+//! **What the paper leaves open**, and what holds here (ALGORITHMS: C2):
+//! * near and far depend on the ray and the boxes alone, never on what has been hit; the first child is near at a tie;
+//! * culling is closed (`entry <= t_max`): a parent of a hit is never culled behind it;
+//! * an entry that is culled when it is popped has its bit of the trail like one that is visited, so each discarded
+//!   entry is followed by its own update of the trail. With a stack that never drops anything, the sequence of nodes
+//!   is that of [`super::Ordered`].
+//!
+//! **Registers** ([`Trail`]): the printed formulas are wrong (`&= ~levelReg` clears what it then sets; the lowest bit
+//! by `temp` misses bit 0); here it is `(trail & -level) + level` and `trail & -trail`. 32 bits serve trees of depth
+//! 31, 64 bits of depth 63, the array any depth up to [`MAX_DEPTH`].
+//!
+//! Without a stack about 1.6 to 3.2 times the inner visits of a full stack, with one entry 1.1 to 1.7, with three at
+//! most 1.14: `ropewalk lab restart-trail` measures it. The twin is `walk_bvh_restart_trail.wgsl`.
+
+use super::ordered::Entry;
+use super::short_stack::ShortStack;
+use super::{BvhWalk, Visitor, test};
+use crate::batch::Traversal;
+use crate::bvh::{Bvh, MAX_DEPTH, Node};
+use crate::catalogue::{TrailOptions, TrailRegister};
+use crate::{PreparedRay, Query, Ray, TraceError, TraceOptions, Traced, Walk};
+
+/// Traces a batch with the register that was asked for, or the smallest that serves the tree.
+pub(super) fn trace(
+    bvh: &Bvh,
+    options: TrailOptions,
+    query: Query,
+    rays: &[Ray],
+    how: TraceOptions,
+) -> Result<Traced, TraceError> {
+    let depth = bvh.report().depth;
+    let stack_entries = options.short_stack;
+    Ok(match options.register_for(depth) {
+        TrailRegister::U32 if depth > TrailU32::LEVELS => {
+            return Err(TraceError::too_deep(Walk::RestartTrail(options), depth, TrailU32::LEVELS));
+        }
+        TrailRegister::U64 if depth > TrailU64::LEVELS => {
+            return Err(TraceError::too_deep(Walk::RestartTrail(options), depth, TrailU64::LEVELS));
+        }
+        TrailRegister::U32 => bvh.by(RestartTrail::<TrailU32>::new(stack_entries)).trace(query, rays, how),
+        TrailRegister::U64 => bvh.by(RestartTrail::<TrailU64>::new(stack_entries)).trace(query, rays, how),
+        TrailRegister::Array | TrailRegister::Auto => {
+            bvh.by(RestartTrail::<ArrayTrail>::new(stack_entries)).trace(query, rays, how)
+        }
+    })
+}
+
+/// The bits of the trail, and the level at which the walk is.
+///
+/// A level's bit belongs to the parent of the current node; level 0 is the sentinel, above the root.
+pub trait Trail: Copy {
+    /// The depth of the deepest leaf that the trail can lead to.
+    const LEVELS: u32;
+
+    /// Nothing done, at the root.
+    fn new() -> Self;
+    /// Goes down to a child. To be called before the bit of the node is asked or set.
+    fn descend(&mut self);
+    /// Whether the near child of the node that was left by the last [`Trail::descend`] is finished.
+    fn is_near_done(&self) -> bool;
+    /// Notes that the node has one child to visit.
+    fn set_single(&mut self);
+    /// Whether the last pop led to this level.
+    fn is_pop_level(&self) -> bool;
+    /// Notes that the current node is finished, and goes up to the level of the next one; whether there is one.
+    fn finish(&mut self) -> bool;
+    /// Goes to the root, to be led down again.
+    fn restart(&mut self);
+}
+
+/// The trail as bytes, as the paper's figure 2 words it: the reference of the registers.
+#[derive(Clone, Copy, Debug)]
+pub struct ArrayTrail {
+    bits: [bool; MAX_DEPTH as usize + 1],
+    level: usize,
+    /// No deeper bit is set.
+    deepest: usize,
+    pop_level: usize,
+}
+
+impl Trail for ArrayTrail {
+    const LEVELS: u32 = MAX_DEPTH;
+
+    #[inline(always)]
+    fn new() -> Self {
+        Self { bits: [false; MAX_DEPTH as usize + 1], level: 0, deepest: 0, pop_level: usize::MAX }
+    }
+
+    #[inline(always)]
+    fn descend(&mut self) {
+        self.level += 1;
+        self.deepest = self.deepest.max(self.level);
+    }
+
+    #[inline(always)]
+    fn is_near_done(&self) -> bool {
+        self.bits[self.level]
+    }
+
+    #[inline(always)]
+    fn set_single(&mut self) {
+        self.bits[self.level] = true;
+    }
+
+    #[inline(always)]
+    fn is_pop_level(&self) -> bool {
+        self.level == self.pop_level
+    }
+
+    #[inline(always)]
+    fn finish(&mut self) -> bool {
+        while self.level > 0 && self.bits[self.level] {
+            self.level -= 1;
+        }
+        // Nothing has been visited of the next branch.
+        self.bits[self.level + 1..=self.deepest.max(self.level)].fill(false);
+        self.bits[self.level] = true;
+        self.deepest = self.level;
+        self.pop_level = self.level;
+        self.level > 0
+    }
+
+    #[inline(always)]
+    fn restart(&mut self) {
+        self.level = 0;
+    }
+}
+
+/// The trail in registers: the sentinel is the top bit, each level the next lower one.
+macro_rules! register_trail {
+    ($name:ident, $word:ty, $about:literal) => {
+        #[doc = $about]
+        #[derive(Clone, Copy, Debug)]
+        pub struct $name {
+            trail: $word,
+            /// One bit.
+            level: $word,
+            /// One bit, or none before the first pop.
+            pop_level: $word,
+        }
+
+        impl $name {
+            const SENTINEL: $word = 1 << (<$word>::BITS - 1);
+        }
+
+        impl Trail for $name {
+            const LEVELS: u32 = <$word>::BITS - 1;
+
+            #[inline(always)]
+            fn new() -> Self {
+                Self { trail: 0, level: Self::SENTINEL, pop_level: 0 }
+            }
+
+            #[inline(always)]
+            fn descend(&mut self) {
+                self.level >>= 1;
+            }
+
+            #[inline(always)]
+            fn is_near_done(&self) -> bool {
+                self.trail & self.level != 0
+            }
+
+            #[inline(always)]
+            fn set_single(&mut self) {
+                self.trail |= self.level;
+            }
+
+            #[inline(always)]
+            fn is_pop_level(&self) -> bool {
+                self.level == self.pop_level
+            }
+
+            #[inline(always)]
+            fn finish(&mut self) -> bool {
+                // Clears the levels below and carries through the ones above to the next zero. The carry out of the
+                // top bit cannot happen: the walk is over when the sentinel is set.
+                self.trail = (self.trail & self.level.wrapping_neg()).wrapping_add(self.level);
+                self.level = self.trail & self.trail.wrapping_neg();
+                self.pop_level = self.level;
+                self.trail & Self::SENTINEL == 0
+            }
+
+            #[inline(always)]
+            fn restart(&mut self) {
+                self.level = Self::SENTINEL;
+            }
+        }
+    };
+}
+
+register_trail!(TrailU32, u32, "The trail in 32-bit registers, for trees of depth 31.");
+register_trail!(TrailU64, u64, "The trail in 64-bit registers, for trees of depth 63.");
+
+/// The walk, with a trail of type `T` and a short stack in a ring of `ROOM` places.
+#[derive(Clone, Copy, Debug)]
+pub struct RestartTrail<T, const ROOM: usize = 16> {
+    capacity: usize,
+    trail: std::marker::PhantomData<fn() -> T>,
+}
+
+impl<T: Trail, const ROOM: usize> RestartTrail<T, ROOM> {
+    /// A walk whose stack holds the last `min(short_stack, ROOM)` entries. The tree must be no deeper than the
+    /// trail's [`Trail::LEVELS`].
+    #[must_use]
+    pub const fn new(short_stack: u32) -> Self {
+        Self { capacity: short_stack as usize, trail: std::marker::PhantomData }
+    }
+}
+
+impl<T: Trail + Sync, const ROOM: usize> BvhWalk for RestartTrail<T, ROOM> {
+    #[inline(always)]
+    fn walk<V: Visitor>(self, nodes: &[Node], ray: &PreparedRay, visitor: &mut V) {
+        if nodes.is_empty() {
+            return;
+        }
+        let mut trail = T::new();
+        let mut stack = ShortStack::<Entry, ROOM>::new(self.capacity);
+        let mut current = 0;
+        loop {
+            let node = &nodes[current as usize];
+            if node.is_leaf() {
+                if visitor.leaf(node.link, node.count).is_break() {
+                    return;
+                }
+            } else {
+                visitor.inner_visit(current);
+                let (first, second) = (current + 1, node.link);
+                let a = test(&nodes[first as usize], ray, visitor.t_max());
+                let b = test(&nodes[second as usize], ray, visitor.t_max());
+                match (a.is_hit(), b.is_hit()) {
+                    (true, true) => {
+                        // The first child at equal distance, so that the order is one for all devices.
+                        let (near, far, entry) = if b.entry < a.entry {
+                            (second, first, a.entry)
+                        } else {
+                            (first, second, b.entry)
+                        };
+                        trail.descend();
+                        if trail.is_near_done() {
+                            current = far;
+                        } else {
+                            current = near;
+                            if self.capacity > 0 {
+                                visitor.stack_depth(stack.push(Entry { node: far, entry }));
+                            }
+                        }
+                        continue;
+                    }
+                    (true, false) | (false, true) => {
+                        trail.descend();
+                        if !trail.is_pop_level() {
+                            trail.set_single();
+                            current = if a.is_hit() { first } else { second };
+                            continue;
+                        }
+                        // Both were hit when the walk came by first, and the near one is finished: the hits since
+                        // then cull the far one.
+                    }
+                    (false, false) => {}
+                }
+            }
+            loop {
+                if !trail.finish() {
+                    return;
+                }
+                match stack.pop() {
+                    None => {
+                        trail.restart();
+                        visitor.restart();
+                        current = 0;
+                        break;
+                    }
+                    // Closed: at equal t a smaller id may still win.
+                    Some(far) if far.entry <= visitor.t_max() => {
+                        current = far.node;
+                        break;
+                    }
+                    // Culled. It has its own bit of the trail, which the next round sets.
+                    Some(_) => {}
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! The catalogue: every structure, walk, query and device that exists together. `ropewalk list` prints it, the
+//! conformance suite runs over it, and nothing can be traced that is not in it.
+//!
+//! A structure and a walk are written `NAME[:key=value,...]`, such as `bvh:max-leaf=8` and
+//! `restart-trail:short-stack=3`. A wrong name or key is answered with the right ones.
+
+mod spec;
+mod structure;
+mod walk;
+
+pub use structure::{Structure, StructureSpec};
+pub use walk::{StackMemory, TrailOptions, TrailRegister, Walk};
+
+use crate::bvh::StackOrder;
+use crate::error::CatalogueError;
+use crate::Query;
+use std::fmt;
+
+/// Where a walk runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum DeviceKind {
+    /// The processor.
+    Cpu,
+    /// A graphics adapter, through wgpu.
+    Gpu,
+}
+
+impl fmt::Display for DeviceKind {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(match self {
+            Self::Cpu => "cpu",
+            Self::Gpu => "gpu",
+        })
+    }
+}
+
+/// A kind of structure, whatever its settings: what decides which walks there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum StructureKind {
+    /// [`crate::Bvh`].
+    Bvh,
+    /// [`crate::WideBvh`].
+    WideBvh,
+}
+
+impl StructureKind {
+    /// Every kind.
+    pub const EVERY: [Self; 2] = [Self::Bvh, Self::WideBvh];
+
+    /// The name on the command line, without its keys.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Bvh => "bvh",
+            Self::WideBvh => "wide-bvh",
+        }
+    }
+}
+
+impl fmt::Display for StructureKind {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.name())
+    }
+}
+
+/// One row of the catalogue.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// What is built.
+    pub structure: StructureSpec,
+    /// How it is walked.
+    pub walk: Walk,
+    /// What is asked.
+    pub query: Query,
+    /// Where it runs.
+    pub device: DeviceKind,
+}
+
+/// Every row.
+#[must_use]
+pub fn rows() -> Vec<Row> {
+    let mut rows = Vec::new();
+    for device in [DeviceKind::Cpu, DeviceKind::Gpu] {
+        for structure in StructureSpec::every() {
+            for walk in Walk::EVERY {
+                for query in Query::EVERY {
+                    if is_offered(structure.kind(), walk, query, device) {
+                        rows.push(Row { structure, walk, query, device });
+                    }
+                }
+            }
+        }
+    }
+    rows
+}
+
+/// Whether a walk of a structure answers a query on a device: what [`rows`] is made of.
+#[must_use]
+pub const fn is_offered(structure: StructureKind, walk: Walk, query: Query, device: DeviceKind) -> bool {
+    let first_hits = matches!(query, Query::Closest | Query::Any);
+    match (device, walk, structure) {
+        (DeviceKind::Cpu, Walk::BruteForce, _) => true,
+        (DeviceKind::Gpu, Walk::BruteForce | Walk::Recursive, _) => false,
+        (_, Walk::Stack(StackOrder::Ordered), _) => true,
+        (_, Walk::Recursive | Walk::Stack(_), StructureKind::Bvh) => first_hits,
+        (_, Walk::Recursive | Walk::Stack(_), StructureKind::WideBvh) => false,
+        (_, Walk::RestartTrail(options), _) => {
+            let is_there = matches!(options.memory, StackMemory::Private) || matches!(device, DeviceKind::Gpu);
+            let is_wide = matches!(structure, StructureKind::WideBvh);
+            is_there && !(is_wide && matches!(options.register, TrailRegister::U32))
+        }
+    }
+}
+
+/// Refuses what the catalogue does not have, and says what it has instead.
+///
+/// # Errors
+/// When there is no such row.
+pub fn check(
+    structure: StructureKind,
+    walk: Walk,
+    query: Query,
+    device: DeviceKind,
+) -> Result<(), CatalogueError> {
+    if is_offered(structure, walk, query, device) {
+        return Ok(());
+    }
+    let walks: Vec<String> = Walk::EVERY
+        .into_iter()
+        .filter(|&other| is_offered(structure, other, query, device))
+        .map(|other| other.to_string())
+        .collect();
+    Err(CatalogueError(if walks.is_empty() {
+        format!("no walk of the structure '{structure}' answers '{query}' on the {device}; try --device cpu")
+    } else {
+        format!(
+            "the walk '{walk}' of the structure '{structure}' does not answer '{query}' on the {device}; these do: {}",
+            walks.join(", ")
+        )
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_printed_is_read_back() {
+        for row in rows() {
+            assert_eq!(row.walk.to_string().parse(), Ok(row.walk));
+            assert_eq!(row.structure.to_string().parse(), Ok(row.structure));
+            assert_eq!(row.query.to_string().parse(), Ok(row.query));
+        }
+        let keys = "builder=sbvh,max-leaf=8,max-depth=31,bins=32,duplication=20,reinsertion=2,leaf-order=left";
+        for full in [format!("bvh:{keys}"), format!("wide-bvh:width=4,collapse=sah,{keys}")] {
+            assert_eq!(full.parse::<StructureSpec>().unwrap().to_string(), full);
+        }
+        assert_eq!("wide-bvh:width=8".parse::<StructureSpec>().unwrap().to_string(), "wide-bvh");
+        let full = "restart-trail:short-stack=3,register=u64,memory=workgroup";
+        assert_eq!(full.parse::<Walk>().unwrap().to_string(), full);
+        assert_eq!("restart-trail".parse::<Walk>().unwrap().to_string(), "restart-trail:short-stack=4");
+    }
+
+    #[test]
+    fn a_wrong_word_is_answered_with_the_right_ones() {
+        let answer = |text: &str| text.parse::<Walk>().unwrap_err().to_string();
+        assert!(answer("stak").contains("stack, restart-trail, recursive, brute-force"));
+        assert!(answer("restart-trail:short-stack=17").contains("0 to 16"));
+        assert!(answer("restart-trail:register=u16").contains("auto, array, u32, u64"));
+        assert!(answer("stack:ordre=culled").contains("order"));
+        assert!(answer("stack:order=best").contains("unordered, culled, sorted, ordered"));
+        assert!(answer("stack:order").contains("key=value"));
+        assert!(answer("recursive:depth=3").contains("no keys"));
+        let answer = |text: &str| text.parse::<StructureSpec>().unwrap_err().to_string();
+        assert!(answer("kd").contains("bvh"));
+        assert!(answer("bvh:max-leaf=many").contains("whole number"));
+        assert!("first".parse::<Query>().unwrap_err().to_string().contains("closest"));
+        let missing = check(StructureKind::Bvh, Walk::Recursive, Query::All, DeviceKind::Cpu).unwrap_err().to_string();
+        assert!(missing.contains("stack:order=ordered"), "{missing}");
+        let missing = check(StructureKind::Bvh, Walk::BruteForce, Query::All, DeviceKind::Gpu).unwrap_err().to_string();
+        assert!(missing.contains("--device cpu"), "{missing}");
+    }
+}

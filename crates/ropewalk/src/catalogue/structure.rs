@@ -1,0 +1,233 @@
+//! Structures and their settings.
+
+use super::spec::{Spec, Written, number, pick, unknown};
+use super::{StructureKind, Walk};
+use crate::bvh::{BuildOptions, Builder, Bvh, LeafOrder};
+use crate::error::{BuildError, CatalogueError, TraceError};
+use crate::wide_bvh::{Collapse, WideBvh, WideOptions, Width};
+use crate::{BuildReport, FlatTriangle, Monitor, Query, Ray, Scene, TraceOptions, Traced};
+use std::fmt;
+use std::str::FromStr;
+
+/// What to build: the structure's name and the options of its builder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum StructureSpec {
+    /// A binary bounding volume hierarchy.
+    Bvh(BuildOptions),
+    /// A bounding volume hierarchy of 4 or 8 children a node.
+    WideBvh(WideOptions),
+}
+
+impl Default for StructureSpec {
+    fn default() -> Self {
+        Self::Bvh(BuildOptions::default())
+    }
+}
+
+impl StructureSpec {
+    /// Every structure with the settings in which the conformance suite tries it.
+    #[must_use]
+    pub fn every() -> Vec<Self> {
+        let plain = BuildOptions::default();
+        let sweep = BuildOptions { builder: Builder::SweepSah, ..plain };
+        let sbvh = BuildOptions { builder: Builder::Sbvh, ..plain };
+        let wide = WideOptions::default();
+        vec![
+            Self::Bvh(plain),
+            Self::Bvh(BuildOptions { leaf_order: LeafOrder::Left, ..plain }),
+            Self::Bvh(sweep),
+            Self::Bvh(sbvh),
+            Self::Bvh(BuildOptions { reinsertion: 3, ..plain }),
+            Self::WideBvh(WideOptions { width: Width::Four, ..wide }),
+            Self::WideBvh(wide),
+            Self::WideBvh(WideOptions { width: Width::Four, collapse: Collapse::Sah, build: sweep }),
+            Self::WideBvh(WideOptions { collapse: Collapse::Sah, build: sbvh, ..wide }),
+        ]
+    }
+
+    /// What kind of structure it is, whatever its settings.
+    #[must_use]
+    pub const fn kind(&self) -> StructureKind {
+        match self {
+            Self::Bvh(_) => StructureKind::Bvh,
+            Self::WideBvh(_) => StructureKind::WideBvh,
+        }
+    }
+
+    /// The options of the builder of the binary tree that the structure is, or is made of.
+    #[must_use]
+    pub const fn build_options(&self) -> &BuildOptions {
+        match self {
+            Self::Bvh(options) => options,
+            Self::WideBvh(options) => &options.build,
+        }
+    }
+
+    /// The same structure over another binary tree.
+    #[must_use]
+    pub const fn with_build_options(self, build: BuildOptions) -> Self {
+        match self {
+            Self::Bvh(_) => Self::Bvh(build),
+            Self::WideBvh(options) => Self::WideBvh(WideOptions { build, ..options }),
+        }
+    }
+
+    /// Builds the structure over a scene.
+    ///
+    /// # Errors
+    /// When the scene or an option is out of range, or the monitor cancels.
+    pub fn build(&self, scene: &Scene, monitor: &dyn Monitor) -> Result<Structure, BuildError> {
+        match self {
+            Self::Bvh(options) => Ok(Structure::Bvh(scene.build_monitored(options, monitor)?)),
+            Self::WideBvh(options) => Ok(Structure::WideBvh(scene.build_wide_monitored(options, monitor)?)),
+        }
+    }
+}
+
+fn build_keys(written: Written, options: &BuildOptions) -> Written {
+    let plain = BuildOptions::default();
+    written
+        .chosen("builder", &options.builder, &plain.builder, Builder::NAMES)
+        .changed("max-leaf", options.max_leaf, plain.max_leaf)
+        .changed("max-depth", options.max_depth, plain.max_depth)
+        .changed("bins", options.bins, plain.bins)
+        .changed("duplication", options.duplication, plain.duplication)
+        .changed("reinsertion", options.reinsertion, plain.reinsertion)
+        .chosen("leaf-order", &options.leaf_order, &plain.leaf_order, LeafOrder::NAMES)
+}
+
+const BUILD_KEYS: [&str; 7] =
+    ["builder", "max-leaf", "max-depth", "bins", "duplication", "reinsertion", "leaf-order"];
+
+/// Takes a key of a builder; false when it is none.
+fn set_build_key(options: &mut BuildOptions, key: &str, value: &str) -> Result<bool, CatalogueError> {
+    match key {
+        "builder" => options.builder = pick(key, value, Builder::NAMES)?,
+        "max-leaf" => options.max_leaf = number(key, value)?,
+        "max-depth" => options.max_depth = number(key, value)?,
+        "bins" => options.bins = number(key, value)?,
+        "duplication" => options.duplication = number(key, value)?,
+        "reinsertion" => options.reinsertion = number(key, value)?,
+        "leaf-order" => options.leaf_order = pick(key, value, LeafOrder::NAMES)?,
+        _ => return Ok(false),
+    }
+    Ok(true)
+}
+
+impl fmt::Display for StructureSpec {
+    /// Only what differs from the default is written.
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plain = WideOptions::default();
+        formatter.pad(&match self {
+            Self::Bvh(options) => build_keys(Written::default(), options).under("bvh"),
+            Self::WideBvh(options) => {
+                let written = Written::default()
+                    .chosen("width", &options.width, &plain.width, Width::NAMES)
+                    .chosen("collapse", &options.collapse, &plain.collapse, Collapse::NAMES);
+                build_keys(written, &options.build).under("wide-bvh")
+            }
+        })
+    }
+}
+
+impl FromStr for StructureSpec {
+    type Err = CatalogueError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let spec = Spec::parse(text)?;
+        match spec.name {
+            "bvh" => {
+                let mut options = BuildOptions::default();
+                for (key, value) in spec.options {
+                    if !set_build_key(&mut options, key, value)? {
+                        return Err(unknown("key of the structure bvh", key, &BUILD_KEYS));
+                    }
+                }
+                Ok(Self::Bvh(options))
+            }
+            "wide-bvh" => {
+                let mut options = WideOptions::default();
+                for (key, value) in spec.options {
+                    match key {
+                        "width" => options.width = pick(key, value, Width::NAMES)?,
+                        "collapse" => options.collapse = pick(key, value, Collapse::NAMES)?,
+                        _ if set_build_key(&mut options.build, key, value)? => {}
+                        _ => {
+                            let right = [["width", "collapse"].as_slice(), &BUILD_KEYS].concat();
+                            return Err(unknown("key of the structure wide-bvh", key, &right));
+                        }
+                    }
+                }
+                Ok(Self::WideBvh(options))
+            }
+            name => Err(unknown("structure", name, &["bvh", "wide-bvh"])),
+        }
+    }
+}
+
+/// A structure that was built.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum Structure {
+    /// A binary bounding volume hierarchy.
+    Bvh(Bvh),
+    /// A bounding volume hierarchy of 4 or 8 children a node.
+    WideBvh(WideBvh),
+}
+
+impl Structure {
+    /// What kind of structure it is.
+    #[must_use]
+    pub const fn kind(&self) -> StructureKind {
+        match self {
+            Self::Bvh(_) => StructureKind::Bvh,
+            Self::WideBvh(_) => StructureKind::WideBvh,
+        }
+    }
+
+    /// Traces a batch on the CPU.
+    ///
+    /// # Errors
+    /// When the catalogue has no such row, or the walk cannot go through a tree as deep as this one.
+    pub fn trace(
+        &self,
+        walk: Walk,
+        query: Query,
+        rays: &[Ray],
+        options: TraceOptions,
+    ) -> Result<Traced, TraceError> {
+        match self {
+            Self::Bvh(bvh) => bvh.trace(walk, query, rays, options),
+            Self::WideBvh(bvh) => bvh.trace(walk, query, rays, options),
+        }
+    }
+
+    /// How it was built.
+    #[must_use]
+    pub fn report(&self) -> &BuildReport {
+        match self {
+            Self::Bvh(bvh) => bvh.report(),
+            Self::WideBvh(bvh) => bvh.report(),
+        }
+    }
+
+    /// Whether some triangle stands in more than one leaf: see [`Builder::Sbvh`].
+    #[must_use]
+    pub const fn has_repeats(&self) -> bool {
+        match self {
+            Self::Bvh(bvh) => bvh.has_repeats(),
+            Self::WideBvh(bvh) => bvh.has_repeats(),
+        }
+    }
+
+    /// The triangles, in the order of the leaves; one stands in several places where spatial splits put it into
+    /// several leaves.
+    #[must_use]
+    pub fn triangles(&self) -> &[FlatTriangle] {
+        match self {
+            Self::Bvh(bvh) => bvh.triangles(),
+            Self::WideBvh(bvh) => bvh.triangles(),
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! Walks and their settings.
+
+use super::spec::{Spec, Written, number, pick, unknown};
+use crate::bvh::StackOrder;
+use crate::error::CatalogueError;
+use std::fmt;
+use std::str::FromStr;
+
+/// How a ray goes through a structure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Walk {
+    /// Tests every triangle; no hierarchy takes part.
+    BruteForce,
+    /// Depth first by recursion.
+    Recursive,
+    /// A loop with a stack.
+    Stack(StackOrder),
+    /// A loop with a short stack, or none, and a trail that leads back after a restart.
+    RestartTrail(TrailOptions),
+}
+
+/// Where the restart trail keeps its bits, which also limits how deep a tree may be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum TrailRegister {
+    /// The smallest that serves the tree.
+    #[default]
+    Auto,
+    /// An array: any depth.
+    Array,
+    /// 32 bits: binary trees of depth 31.
+    U32,
+    /// 64 bits: binary trees of depth 63, wide ones of 16 levels. Two words on a GPU.
+    U64,
+}
+
+impl TrailRegister {
+    /// The names on the command line.
+    pub const NAMES: &[(&str, Self)] =
+        &[("auto", Self::Auto), ("array", Self::Array), ("u32", Self::U32), ("u64", Self::U64)];
+}
+
+/// Where a GPU keeps the short stack.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum StackMemory {
+    /// In the memory of the invocation.
+    #[default]
+    Private,
+    /// In the memory that a workgroup shares. There is none on a CPU.
+    Workgroup,
+}
+
+impl StackMemory {
+    /// The names on the command line.
+    pub const NAMES: &[(&str, Self)] = &[("private", Self::Private), ("workgroup", Self::Workgroup)];
+}
+
+/// The settings of the restart trail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TrailOptions {
+    /// Entries of the short stack, 0 to [`TrailOptions::MAX_SHORT_STACK`].
+    pub short_stack: u32,
+    /// Where the trail is kept.
+    pub register: TrailRegister,
+    /// Where a GPU keeps the short stack.
+    pub memory: StackMemory,
+}
+
+impl Default for TrailOptions {
+    /// Four entries: within a few percent of the visits of a full stack.
+    fn default() -> Self {
+        Self { short_stack: 4, register: TrailRegister::Auto, memory: StackMemory::Private }
+    }
+}
+
+impl TrailOptions {
+    /// The most entries of a short stack.
+    pub const MAX_SHORT_STACK: u32 = 16;
+
+    /// The register that serves a binary tree whose deepest leaf has this depth, where none is prescribed.
+    #[must_use]
+    pub const fn register_for(self, depth: u32) -> TrailRegister {
+        match self.register {
+            TrailRegister::Auto if depth <= 31 => TrailRegister::U32,
+            TrailRegister::Auto if depth <= 63 => TrailRegister::U64,
+            TrailRegister::Auto => TrailRegister::Array,
+            prescribed => prescribed,
+        }
+    }
+
+    /// The register that serves a wide tree of this many levels of inner nodes, where none is prescribed.
+    #[must_use]
+    pub const fn wide_register_for(self, levels: u32) -> TrailRegister {
+        match self.register {
+            TrailRegister::Auto if levels <= 16 => TrailRegister::U64,
+            TrailRegister::Auto => TrailRegister::Array,
+            prescribed => prescribed,
+        }
+    }
+}
+
+impl Default for Walk {
+    fn default() -> Self {
+        Self::Stack(StackOrder::Ordered)
+    }
+}
+
+const fn trail(short_stack: u32, register: TrailRegister, memory: StackMemory) -> Walk {
+    Walk::RestartTrail(TrailOptions { short_stack, register, memory })
+}
+
+impl Walk {
+    /// Every walk, in the settings in which the conformance suite tries it against the oracle. The short stacks of
+    /// the sizes between are compared with these.
+    pub const EVERY: [Self; 17] = [
+        Self::BruteForce,
+        Self::Recursive,
+        Self::Stack(StackOrder::Unordered),
+        Self::Stack(StackOrder::Culled),
+        Self::Stack(StackOrder::Sorted),
+        Self::Stack(StackOrder::Ordered),
+        trail(0, TrailRegister::Auto, StackMemory::Private),
+        trail(1, TrailRegister::Auto, StackMemory::Private),
+        trail(3, TrailRegister::Auto, StackMemory::Private),
+        trail(4, TrailRegister::Auto, StackMemory::Private),
+        trail(8, TrailRegister::Auto, StackMemory::Private),
+        trail(16, TrailRegister::Auto, StackMemory::Private),
+        trail(2, TrailRegister::Array, StackMemory::Private),
+        trail(2, TrailRegister::U32, StackMemory::Private),
+        trail(2, TrailRegister::U64, StackMemory::Private),
+        trail(1, TrailRegister::Auto, StackMemory::Workgroup),
+        trail(4, TrailRegister::Auto, StackMemory::Workgroup),
+    ];
+
+    /// What it is and where it comes from.
+    #[must_use]
+    pub const fn about(self) -> &'static str {
+        match self {
+            Self::BruteForce => "every triangle, no hierarchy: the baseline of O(n)",
+            Self::Recursive => "depth-first recursion (blog 2022)",
+            Self::Stack(StackOrder::Unordered) => "stack, first child first, no culling (blog 2022)",
+            Self::Stack(StackOrder::Culled) => "stack, boxes behind the closest hit are culled (blog 2022)",
+            Self::Stack(StackOrder::Sorted) => "stack, culled, nearer inner child first (blog 2022)",
+            Self::Stack(StackOrder::Ordered) => "stack, nearer child first, leaves too, culled again at pop",
+            Self::RestartTrail(TrailOptions { short_stack: 0, .. }) => {
+                "no stack: one bit a level leads back after each restart (Laine 2010)"
+            }
+            Self::RestartTrail(_) => "short stack; a trail leads back when it is exhausted (Laine 2010)",
+        }
+    }
+
+    /// The name without its keys.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::BruteForce => "brute-force",
+            Self::Recursive => "recursive",
+            Self::Stack(_) => "stack",
+            Self::RestartTrail(_) => "restart-trail",
+        }
+    }
+}
+
+impl fmt::Display for Walk {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let written = Written::default();
+        let written = match self {
+            Self::BruteForce | Self::Recursive => written,
+            Self::Stack(order) => match StackOrder::NAMES.iter().find(|(_, it)| it == order) {
+                Some((name, _)) => written.key("order", name),
+                None => written,
+            },
+            Self::RestartTrail(options) => {
+                let plain = TrailOptions::default();
+                written
+                    .key("short-stack", options.short_stack)
+                    .chosen("register", &options.register, &plain.register, TrailRegister::NAMES)
+                    .chosen("memory", &options.memory, &plain.memory, StackMemory::NAMES)
+            }
+        };
+        formatter.pad(&written.under(self.name()))
+    }
+}
+
+impl FromStr for Walk {
+    type Err = CatalogueError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let spec = Spec::parse(text)?;
+        match spec.name {
+            "brute-force" => spec.none("walk").map(|()| Self::BruteForce),
+            "recursive" => spec.none("walk").map(|()| Self::Recursive),
+            "stack" => {
+                let mut order = StackOrder::Ordered;
+                for (key, value) in spec.options {
+                    match key {
+                        "order" => order = pick("order", value, StackOrder::NAMES)?,
+                        _ => return Err(unknown("key of the walk stack", key, &["order"])),
+                    }
+                }
+                Ok(Self::Stack(order))
+            }
+            "restart-trail" => {
+                let mut options = TrailOptions::default();
+                for (key, value) in spec.options {
+                    match key {
+                        "short-stack" => options.short_stack = short_stack(value)?,
+                        "register" => options.register = pick(key, value, TrailRegister::NAMES)?,
+                        "memory" => options.memory = pick(key, value, StackMemory::NAMES)?,
+                        _ => {
+                            let right = ["short-stack", "register", "memory"];
+                            return Err(unknown("key of the walk restart-trail", key, &right));
+                        }
+                    }
+                }
+                Ok(Self::RestartTrail(options))
+            }
+            name => Err(unknown("walk", name, &["stack", "restart-trail", "recursive", "brute-force"])),
+        }
+    }
+}
+
+fn short_stack(value: &str) -> Result<u32, CatalogueError> {
+    let entries = number("short-stack", value)?;
+    if entries <= TrailOptions::MAX_SHORT_STACK {
+        return Ok(entries);
+    }
+    Err(CatalogueError(format!(
+        "short-stack={value}: it can have 0 to {} entries; a stack that never drops one is the walk stack",
+        TrailOptions::MAX_SHORT_STACK
+    )))
+}

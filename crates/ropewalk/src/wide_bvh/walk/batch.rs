@@ -1,0 +1,56 @@
+//! Batches of rays, spread over threads where there are any.
+
+use super::{BruteForce, Ordered, restart_trail};
+use crate::batch::{CHUNK, TraceOptions, Traced, Traversal};
+use crate::bvh::StackOrder;
+use crate::catalogue::{self, StructureKind};
+use crate::parallel::fill_chunks;
+use crate::wide_bvh::WideBvh;
+use crate::{CatalogueError, DeviceKind, Hit, Query, Ray, TraceError, Walk};
+
+impl WideBvh {
+    /// Traces a batch by any walk of the catalogue.
+    ///
+    /// # Errors
+    /// When the walk does not answer the query, or the tree is too deep for it.
+    pub fn trace(
+        &self,
+        walk: Walk,
+        query: Query,
+        rays: &[Ray],
+        options: TraceOptions,
+    ) -> Result<Traced, TraceError> {
+        catalogue::check(StructureKind::WideBvh, walk, query, DeviceKind::Cpu)?;
+        match walk {
+            Walk::BruteForce => Ok(self.by(BruteForce).trace(query, rays, options)),
+            Walk::Stack(StackOrder::Ordered) => Ok(self.by(Ordered).trace(query, rays, options)),
+            Walk::RestartTrail(trail) => restart_trail::trace(self, trail, query, rays, options),
+            // The catalogue has refused them.
+            Walk::Recursive | Walk::Stack(_) => {
+                Err(CatalogueError(format!("the walk '{walk}' goes through binary trees only")).into())
+            }
+        }
+    }
+
+    /// The closest hits of many rays, into `hits`, by the best walk. Only the first
+    /// `min(rays.len(), hits.len())` are traced.
+    pub fn closest_batch(&self, rays: &[Ray], hits: &mut [Hit]) {
+        let len = rays.len().min(hits.len());
+        fill_chunks(&mut hits[..len], CHUNK, |first, part| {
+            for (hit, ray) in part.iter_mut().zip(&rays[first..]) {
+                *hit = self.closest(ray);
+            }
+        });
+    }
+
+    /// Whether each of many rays hits anything, into `hits`, by the best walk. Only the first
+    /// `min(rays.len(), hits.len())` are traced.
+    pub fn any_batch(&self, rays: &[Ray], hits: &mut [bool]) {
+        let len = rays.len().min(hits.len());
+        fill_chunks(&mut hits[..len], CHUNK, |first, part| {
+            for (hit, ray) in part.iter_mut().zip(&rays[first..]) {
+                *hit = self.any(ray);
+            }
+        });
+    }
+}
