@@ -55,8 +55,8 @@ pub(crate) fn kinds() -> Vec<KindRecord> {
         let (about, mut keys) = match kind {
             StructureKind::Bvh => ("a binary bounding volume hierarchy", Vec::new()),
             StructureKind::WideBvh => {
-                let width = choice("width", &Width::NAMES, &Width::default());
-                let collapse = choice("collapse", &Collapse::NAMES, &Collapse::default());
+                let width = choice("width", Width::NAMES, &Width::default());
+                let collapse = choice("collapse", Collapse::NAMES, &Collapse::default());
                 (
                     "a bounding volume hierarchy of 4 or 8 children a node, collapsed from a binary one",
                     vec![width, collapse],
@@ -83,13 +83,13 @@ fn build_keys() -> [KeyRecord; 7] {
         default: default.to_string(),
     };
     [
-        choice("builder", &Builder::NAMES, &plain.builder),
+        choice("builder", Builder::NAMES, &plain.builder),
         number("max-leaf", 1, 255, plain.max_leaf),
         number("max-depth", 1, MAX_DEPTH, plain.max_depth),
         number("bins", 2, BuildOptions::MAX_BINS as u32, plain.bins),
         number("duplication", 0, BuildOptions::MAX_DUPLICATION, plain.duplication),
         number("reinsertion", 0, BuildOptions::MAX_REINSERTION, plain.reinsertion),
-        choice("leaf-order", &LeafOrder::NAMES, &plain.leaf_order),
+        choice("leaf-order", LeafOrder::NAMES, &plain.leaf_order),
     ]
 }
 

@@ -18,8 +18,7 @@ fn the_restart_trail_is_compared_with_the_full_stack() {
         for field in ["scene", "builder", "rays", "device"] {
             assert!(row[field].is_string(), "{field}: {row}");
         }
-        for field in
-            ["max_leaf", "inner_visits", "leaf_visits", "primitive_tests", "restarts", "ratio_inner"]
+        for field in ["max_leaf", "inner_visits", "leaf_visits", "primitive_tests", "restarts", "ratio_inner"]
         {
             assert!(row[field].is_number(), "{field}: {row}");
         }

@@ -340,7 +340,7 @@ fn the_summary_is_one_document() {
         assert!(document[key].as_f64().unwrap() >= 0.0, "{key}");
     }
     let text = run(&ask(&folder, &scene, &points, options)).success().out;
-    for words in ["3 of 4 points have within reach", "k = 3", "at most 2 away", "inner visits", "restarts"] {
+    for words in ["3 of 4 points find ", "k = 3", "at most 2 away", "inner visits", "restarts"] {
         assert!(text.contains(words), "{words}: {text}");
     }
 }

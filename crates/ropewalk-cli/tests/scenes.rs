@@ -151,10 +151,12 @@ fn references_and_wide_nodes_are_told() {
         assert!(document["gpu"].as_array().unwrap().iter().all(|fit| fit["node_bytes"].as_u64() > Some(0)));
         numbers
     };
-    let [triangles, references, width, nodes, leaves, bytes] = info("bvh:builder=sbvh,max-leaf=1");
+    let [triangles, references, width, nodes, leaves, bytes] =
+        info("bvh:builder=sbvh,max-leaf=1,duplication=400");
     assert!(references > triangles && triangles == 60 && width == 2, "{references}");
     assert_eq!((nodes, bytes), (2 * leaves - 1, 32 * nodes + 48 * references));
-    let text = run(&format!("info {scene} --structure bvh:builder=sbvh,max-leaf=1")).success().out;
+    let text =
+        run(&format!("info {scene} --structure bvh:builder=sbvh,max-leaf=1,duplication=400")).success().out;
     assert!(text.contains(&format!("{references} to 60 triangles (+")), "{text}");
     for (spec, children) in [("wide-bvh:width=4", 4), ("wide-bvh:collapse=sah", 8)] {
         let [_, references, width, nodes, leaves, bytes] = info(spec);

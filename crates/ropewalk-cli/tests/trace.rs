@@ -180,10 +180,48 @@ fn every_walk_writes_the_same_bytes() {
         "--walk stack:order=unordered",
         "--walk stack:order=sorted --threads 1",
         "--structure bvh:leaf-order=left,max-leaf=1 --walk stack:order=culled --threads 3",
+        "--walk restart-trail",
+        "--walk restart-trail:short-stack=0,register=u64",
+        "--structure bvh:builder=sbvh,max-leaf=1 --walk restart-trail:short-stack=1,register=array",
+        "--structure bvh:builder=sweep,reinsertion=2",
+        "--structure wide-bvh",
+        "--structure wide-bvh:width=4,collapse=sah,builder=sbvh --walk restart-trail:short-stack=3",
     ] {
         assert!(bytes(options) == expected, "{options}");
     }
     if has_adapter() {
-        assert!(bytes("--device gpu") == expected, "gpu");
+        for options in [
+            "",
+            "--walk restart-trail:short-stack=2",
+            "--walk restart-trail:short-stack=3,memory=workgroup",
+            "--structure wide-bvh:builder=sbvh --walk restart-trail:short-stack=0",
+        ] {
+            assert!(bytes(&format!("{options} --device gpu")) == expected, "{options} on the gpu");
+        }
     }
+}
+
+/// A chain of triangles that makes a tree deeper than 31.
+#[test]
+fn a_tree_that_is_too_deep_for_a_register_is_an_error_with_a_way_out() {
+    let folder = Folder::new();
+    let mut text = String::new();
+    for k in 0..100 {
+        let size = 0.5f64.powi(k);
+        text += &format!("v {size:e} 0 0\nv {size:e} {size:e} 0\nv {size:e} 0 {size:e}\nf -3 -2 -1\n");
+    }
+    let scene = folder.write("chain.obj", &text);
+    let rays = folder.rays("rays.npy", 6, &[2.0, 0.01, 0.01, -1.0, -0.001, -0.001]);
+    let trace = |structure: &str, walk: &str| {
+        let output = folder.text("h.npz");
+        run(&format!(
+            "trace {scene} --rays {rays} -o {output} --device cpu --structure {structure} --walk {walk}"
+        ))
+    };
+    let (deep, short) = ("bvh:max-leaf=1,max-depth=64", "restart-trail:short-stack=2,register=u32");
+    trace(deep, short).failure(1).mentions("max-depth=31");
+    assert_eq!(folder.names(), ["chain.obj", "rays.npy"], "nothing is left behind");
+    trace(deep, "restart-trail:short-stack=2").success();
+    trace(deep, "restart-trail:short-stack=2,register=u64").success();
+    trace("bvh:max-leaf=1,max-depth=31", short).success();
 }

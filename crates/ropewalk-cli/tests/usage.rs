@@ -18,7 +18,9 @@ fn no_argument_says_what_to_try_first() {
 fn every_command_has_help_with_examples() {
     assert!(run("--help").success().out.contains("Exit codes"));
     assert!(run("--version").success().out.starts_with("ropewalk "));
-    for command in ["render", "trace", "info", "list", "verify", "bench"] {
+    for command in
+        ["render", "trace", "points", "info", "list", "verify", "bench", "lab", "lab restart-trail"]
+    {
         let outcome = run(&format!("{command} --help")).success();
         // The usage line and at least two worked examples.
         let examples = outcome.out.matches(&format!("ropewalk {command}")).count();
@@ -130,7 +132,9 @@ fn what_no_device_answers_is_wrong_usage() {
     run(&format!("{gpu} --walk stack:order=culled")).failure(2).mentions("stack:order=ordered");
     let wide = format!("{trace} --structure wide-bvh");
     run(&format!("{wide} --walk recursive")).failure(2).mentions("stack:order=ordered");
-    run(&format!("{wide} --walk restart-trail:register=u32 --device cpu")).failure(2).mentions("register=u64");
+    run(&format!("{wide} --walk restart-trail:register=u32 --device cpu"))
+        .failure(2)
+        .mentions("register=u64");
     let trail = format!("{trace} --walk restart-trail:memory=workgroup --device cpu");
     run(&trail).failure(2).mentions("restart-trail:short-stack=4");
     run(&format!("{trace} --query all --walk recursive")).failure(2).mentions("stack:order=ordered");

@@ -93,7 +93,9 @@ pub enum GpuError {
         ray: usize,
     },
     /// The same, of a point query.
-    #[error("the device left query {query} without an answer: it was reset, or its driver cut the work short")]
+    #[error(
+        "the device left query {query} without an answer: it was reset, or its driver cut the work short"
+    )]
     UnansweredQuery {
         /// The first such query.
         query: usize,

@@ -43,7 +43,7 @@ fn every_kernel_is_portable() {
     let kernels: Vec<_> = rays.chain(points).collect();
     let labels: HashSet<&str> = kernels.iter().map(|(label, _)| label.as_str()).collect();
     assert_eq!(labels.len(), kernels.len(), "two kernels are called the same");
-    let threads = std::thread::available_parallelism().map_or(1, |threads| threads.get());
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let check_some = |kernels: &[(String, Result<String, AssemblyError>)]| {
         for (label, source) in kernels {
             let source = source.as_ref().unwrap_or_else(|error| panic!("{label}: {error}"));

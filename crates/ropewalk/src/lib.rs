@@ -50,7 +50,8 @@ pub use hit::Hit;
 pub use mesh::Mesh;
 pub use monitor::{Monitor, NoMonitor};
 pub use point::{
-    ClosestPoint, Feature, NearestLists, PointAnswers, PointQuery, PointSearch, SignedDistance, SurfaceError, SurfacePoint,
+    ClosestPoint, Feature, NearestLists, PointAnswers, PointQuery, PointSearch, SignedDistance, SurfaceError,
+    SurfacePoint,
 };
 pub use probe::{CounterTotals, Counters, NoProbe, Probe};
 pub use query::Query;

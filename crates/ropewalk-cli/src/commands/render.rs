@@ -168,7 +168,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     image_file::check(&arguments.output)?;
     let queries =
         if settings.view == View::Shaded { &[Query::Closest, Query::Any][..] } else { &[Query::Closest] };
-    let device = device_argument::open(&arguments.device, arguments.structure.kind(), arguments.walk, queries)?;
+    let device =
+        device_argument::open(&arguments.device, arguments.structure.kind(), arguments.walk, queries)?;
     interrupt::listen()?;
     threads::run(arguments.threads, || {
         let start = Instant::now();

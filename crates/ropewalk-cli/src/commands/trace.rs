@@ -122,7 +122,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.scene.check()?;
     let rays = RaysFile::open(&arguments.rays)?;
     let output = OutputFile::new(&arguments.output)?;
-    let device = device_argument::open(&arguments.device, arguments.structure.kind(), arguments.walk, &[arguments.query])?;
+    let device = device_argument::open(
+        &arguments.device,
+        arguments.structure.kind(),
+        arguments.walk,
+        &[arguments.query],
+    )?;
     threads::run(arguments.threads, || {
         let scene = arguments.scene.load()?;
         let invalid = InvalidRows::allowed(arguments.allow_invalid_rays);

@@ -1,17 +1,17 @@
 // Keeps the closest triangle, ties by id: the twin of KeepClosest in ropewalk's point/collect.rs.
 // Source: the same.
-// Invariants: the limit never grows. The same functions as point_nearest.
+// Invariants: the reach never grows. The same functions as point_nearest.
 
 #import shared/point_distance
 #import shared/point_order
 
 struct PointCollect {
-    // What a squared distance must not exceed; follows the limit.
+    // What a squared distance must not exceed; follows what is found.
     reach: f32,
-    // How far the search reaches beyond the limit.
+    // How far the search reaches beyond what is found, or the radius.
     slack: f32,
-    // Nothing farther need be offered.
-    limit: f32,
+    // Nothing farther is an answer.
+    radius: f32,
     is_found: bool,
     closest: Found,
 }
@@ -21,9 +21,9 @@ fn new_point_collect(radius: f32, slack: f32, k: u32) -> PointCollect {
     return PointCollect(reach(radius + slack), slack, radius, false, Found(0.0, 0u));
 }
 
-// A triangle's distance, perhaps beyond the limit, and perhaps not for the first time.
+// A triangle's distance, perhaps beyond the radius, and perhaps not for the first time.
 fn offer_point(collect: ptr<function, PointCollect>, found: Found) {
-    if found.distance > (*collect).limit {
+    if found.distance > (*collect).radius {
         return;
     }
     if (*collect).is_found && !is_preferred(found, (*collect).closest) {
@@ -31,6 +31,5 @@ fn offer_point(collect: ptr<function, PointCollect>, found: Found) {
     }
     (*collect).is_found = true;
     (*collect).closest = found;
-    (*collect).limit = found.distance;
     (*collect).reach = reach(found.distance + (*collect).slack);
 }

@@ -182,8 +182,7 @@ mod tests {
             for (depth, counters) in [(1, false), (20, true), (31, false)] {
                 let walk = Tree::Binary.resolve(row.walk, depth).unwrap();
                 let stack_entries = if matches!(walk, Walk::Stack(_)) { 32 } else { 0 };
-                let kernel =
-                    PointKernel { walk, search: row.search, room: 8, counters, stack_entries };
+                let kernel = PointKernel { walk, search: row.search, room: 8, counters, stack_entries };
                 assert!(every.contains(&kernel), "{}", kernel.label());
             }
         }

@@ -168,7 +168,7 @@ const WORKGROUP: &[Damage] = &[
 ];
 
 const WIDE: &[Damage] = &[
-    ("shared/wide_bvh", "#{OTHER}u < #{SLOT}u)", "#{OTHER}u > #{SLOT}u)"),
+    ("shared/wide_bvh", "#{OTHER}u < #{SLOT}u)", "#{SLOT}u < #{OTHER}u)"),
     ("shared/wide_bvh", "entry_#{OTHER} <= entry_#{SLOT}, ", "entry_#{OTHER} < entry_#{SLOT}, "),
     ("shared/wide_bvh", "&& (child_#{SLOT}.count | child_#{SLOT}.link) != 0u", ""),
     ("shared/wide_bvh", "select(#{LARGEST_FLOAT}, span_#{SLOT}.entry, hit_#{SLOT})", "span_#{SLOT}.entry"),

@@ -24,8 +24,7 @@ pub const PUBLISHED: [Band; 3] = [band(0, 2.2, 2.4), band(1, 1.3, 1.4), band(3, 
 
 /// The ratios that scenes, leaf caps and rays of all kinds keep to: few nodes and early ends make them small,
 /// leaves of one triangle large.
-pub const WANTED: [Band; 4] =
-    [band(0, 1.6, 3.2), band(1, 1.1, 1.7), band(3, 1.0, 1.14), band(8, 1.0, 1.005)];
+pub const WANTED: [Band; 4] = [band(0, 1.6, 3.2), band(1, 1.1, 1.7), band(3, 1.0, 1.14), band(8, 1.0, 1.005)];
 
 /// Whether a ratio lies in its band; `None` where there is no band for that size. The ends are rounded to two places,
 /// and so is the ratio.

@@ -125,8 +125,12 @@ pub fn run(
     let mut rows = Vec::new();
     for &builder in &settings.builders {
         for &max_leaf in &settings.leaf_caps {
-            let options =
-                BuildOptions { builder, max_leaf, duplication: settings.duplication, ..BuildOptions::default() };
+            let options = BuildOptions {
+                builder,
+                max_leaf,
+                duplication: settings.duplication,
+                ..BuildOptions::default()
+            };
             let structure = Arc::new(Structure::Bvh(scene.build(&options)?));
             for device in &settings.devices {
                 let traceable = device.prepare(Arc::clone(&structure))?;
@@ -135,7 +139,8 @@ pub fn run(
                     if watch(Progress { what: &what, done, total }).is_break() {
                         return Err(TrailError::Stopped);
                     }
-                    let tree = Tree { name, triangles: scene.triangle_count(), options, traceable: &traceable };
+                    let tree =
+                        Tree { name, triangles: scene.triangle_count(), options, traceable: &traceable };
                     rows.extend(tree.compare(batch, settings, &judge, watch)?);
                     done += 1;
                 }
@@ -157,14 +162,17 @@ fn make_rays(
     settings: &TrailSettings,
 ) -> Result<Vec<Batch>, TrailError> {
     let failure = std::cell::RefCell::default();
-    let closest = |rays: &[Ray]| {
-        match structure.trace(Walk::default(), Query::Closest, rays, TraceOptions::default()) {
-            Ok(Traced { answer: Answer::Closest(hits), .. }) => hits,
-            Ok(_) => vec![Hit::MISS; rays.len()],
-            Err(error) => {
-                failure.replace(Some(error));
-                vec![Hit::MISS; rays.len()]
-            }
+    let closest = |rays: &[Ray]| match structure.trace(
+        Walk::default(),
+        Query::Closest,
+        rays,
+        TraceOptions::default(),
+    ) {
+        Ok(Traced { answer: Answer::Closest(hits), .. }) => hits,
+        Ok(_) => vec![Hit::MISS; rays.len()],
+        Err(error) => {
+            failure.replace(Some(error));
+            vec![Hit::MISS; rays.len()]
         }
     };
     let batch = |&class: &RayClass| {

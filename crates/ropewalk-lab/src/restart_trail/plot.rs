@@ -72,13 +72,13 @@ fn chart(area: &Area<'_>, rows: &[TrailRow]) -> Result<(), PlotError> {
         .light_line_style(WHITE)
         .draw()
         .map_err(failed)?;
-    for (bands, shade) in [(&WANTED[..], RGBColor(225, 230, 238)), (&PUBLISHED[..], RGBColor(170, 185, 205))] {
+    for (bands, shade) in [(&WANTED[..], RGBColor(225, 230, 238)), (&PUBLISHED[..], RGBColor(170, 185, 205))]
+    {
         let boxes = bands.iter().map(|band| bar(band, shade));
         chart.draw_series(boxes).map_err(failed)?;
     }
-    let comparisons = rows.chunk_by(|a, b| {
-        (a.builder, a.max_leaf, a.rays) == (b.builder, b.max_leaf, b.rays)
-    });
+    let comparisons =
+        rows.chunk_by(|a, b| (a.builder, a.max_leaf, a.rays) == (b.builder, b.max_leaf, b.rays));
     for comparison in comparisons {
         let points: Vec<(f64, f64)> =
             comparison.iter().filter_map(|row| Some((size(row)?, row.ratio_inner.min(HIGHEST)))).collect();
@@ -135,7 +135,12 @@ mod tests {
     fn a_plot_names_what_it_shows() {
         let mut other = row(ShortStack::Entries(0), 2.2);
         other.scene = "wood".into();
-        let rows = [row(ShortStack::Full, 1.0), row(ShortStack::Entries(0), 9.0), row(ShortStack::Entries(1), 1.4), other];
+        let rows = [
+            row(ShortStack::Full, 1.0),
+            row(ShortStack::Entries(0), 9.0),
+            row(ShortStack::Entries(1), 1.4),
+            other,
+        ];
         let svg = plot(&rows).unwrap();
         assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
         for word in ["wood", "entries of the short stack", "sweep 4, primary"] {

@@ -94,7 +94,8 @@ mod tests {
         for seen in [Seen::Around, Seen::Within] {
             let rays = seen.rays(&flat, RayClass::Primary, 60, &nothing);
             assert_eq!(rays.len(), 60);
-            let mut first: Vec<_> = rays.iter().step_by(10).map(|ray| ray.dir.to_array().map(f32::to_bits)).collect();
+            let mut first: Vec<_> =
+                rays.iter().step_by(10).map(|ray| ray.dir.to_array().map(f32::to_bits)).collect();
             first.sort_unstable();
             first.dedup();
             assert_eq!(first.len(), 6, "six different views");

@@ -28,10 +28,13 @@ fn scene(text: &mut String, rows: &[&TrailRow]) {
         "Per ray with the full stack: inner visits, leaf visits, triangle tests. Then inner visits over those of the full stack, by entries of the short stack{}.\n",
         if first.rays_per_s.is_some() { "; in brackets the time over that of the full stack" } else { "" }
     );
-    let comparisons: Vec<&[&TrailRow]> = rows.chunk_by(|a, b| is_same_tree(a, b) && a.rays == b.rays).collect();
+    let comparisons: Vec<&[&TrailRow]> =
+        rows.chunk_by(|a, b| is_same_tree(a, b) && a.rays == b.rays).collect();
     let stacks: Vec<ShortStack> = comparisons
         .first()
-        .map(|rows| rows.iter().map(|row| row.short_stack).filter(|stack| *stack != ShortStack::Full).collect())
+        .map(|rows| {
+            rows.iter().map(|row| row.short_stack).filter(|stack| *stack != ShortStack::Full).collect()
+        })
         .unwrap_or_default();
     let _ = write!(text, "| builder | leaf cap | references | rays | inner | leaf | tests | full, Mrays/s |");
     for stack in &stacks {

@@ -63,7 +63,10 @@ pub(crate) trait Traversal: Sync {
             }
             Query::Count if self.has_repeats() => {
                 let (lists, probes) = self.lists(rays);
-                (Answer::Count(lists.offsets.windows(2).map(|pair| (pair[1] - pair[0]) as u32).collect()), probes)
+                (
+                    Answer::Count(lists.offsets.windows(2).map(|pair| (pair[1] - pair[0]) as u32).collect()),
+                    probes,
+                )
             }
             Query::Count => {
                 let (counts, probes) = self.each::<HitCount, P>(rays);
@@ -147,7 +150,13 @@ mod tests {
 
     #[test]
     fn a_repeated_hit_is_kept_once() {
-        let hit = |t, primitive_index| Hit { t, primitive_index, instance_index: 0, geometry_index: 0, ..Hit::MISS };
+        let hit = |t, primitive_index| Hit {
+            t,
+            primitive_index,
+            instance_index: 0,
+            geometry_index: 0,
+            ..Hit::MISS
+        };
         let (a, b, c) = (hit(1.0, 4), hit(1.0, 5), hit(2.0, 3));
         let mut hits = vec![a, a, a, b, c, c];
         keep_first_of_each(&mut hits, 1);

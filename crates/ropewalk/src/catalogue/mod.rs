@@ -11,9 +11,9 @@ mod walk;
 pub use structure::{Structure, StructureSpec};
 pub use walk::{StackMemory, TrailOptions, TrailRegister, Walk};
 
+use crate::Query;
 use crate::bvh::StackOrder;
 use crate::error::CatalogueError;
-use crate::Query;
 use std::fmt;
 
 /// Where a walk runs.
@@ -105,7 +105,8 @@ pub const fn is_offered(structure: StructureKind, walk: Walk, query: Query, devi
         (_, Walk::Recursive | Walk::Stack(_), StructureKind::Bvh) => first_hits,
         (_, Walk::Recursive | Walk::Stack(_), StructureKind::WideBvh) => false,
         (_, Walk::RestartTrail(options), _) => {
-            let is_there = matches!(options.memory, StackMemory::Private) || matches!(device, DeviceKind::Gpu);
+            let is_there =
+                matches!(options.memory, StackMemory::Private) || matches!(device, DeviceKind::Gpu);
             let is_wide = matches!(structure, StructureKind::WideBvh);
             is_there && !(is_wide && matches!(options.register, TrailRegister::U32))
         }
@@ -151,7 +152,8 @@ mod tests {
             assert_eq!(row.structure.to_string().parse(), Ok(row.structure));
             assert_eq!(row.query.to_string().parse(), Ok(row.query));
         }
-        let keys = "builder=sbvh,max-leaf=8,max-depth=31,bins=32,duplication=20,reinsertion=2,leaf-order=left";
+        let keys =
+            "builder=sbvh,max-leaf=8,max-depth=31,bins=32,duplication=20,reinsertion=2,leaf-order=left";
         for full in [format!("bvh:{keys}"), format!("wide-bvh:width=4,collapse=sah,{keys}")] {
             assert_eq!(full.parse::<StructureSpec>().unwrap().to_string(), full);
         }
@@ -175,9 +177,11 @@ mod tests {
         assert!(answer("kd").contains("bvh"));
         assert!(answer("bvh:max-leaf=many").contains("whole number"));
         assert!("first".parse::<Query>().unwrap_err().to_string().contains("closest"));
-        let missing = check(StructureKind::Bvh, Walk::Recursive, Query::All, DeviceKind::Cpu).unwrap_err().to_string();
+        let missing =
+            check(StructureKind::Bvh, Walk::Recursive, Query::All, DeviceKind::Cpu).unwrap_err().to_string();
         assert!(missing.contains("stack:order=ordered"), "{missing}");
-        let missing = check(StructureKind::Bvh, Walk::BruteForce, Query::All, DeviceKind::Gpu).unwrap_err().to_string();
+        let missing =
+            check(StructureKind::Bvh, Walk::BruteForce, Query::All, DeviceKind::Gpu).unwrap_err().to_string();
         assert!(missing.contains("--device cpu"), "{missing}");
     }
 }

@@ -227,10 +227,13 @@ mod tests {
                 + thin * vector().y * 2.0
                 + vector() * 10f32.powi(-(round / 8 % 8));
             let (narrow, wide) = both(point, vertices);
-            worst = worst.max((narrow - wide).abs());
+            let nearest = vertices.iter().map(|vertex| vertex.distance(point)).fold(f32::INFINITY, f32::min);
+            let longest = long.length().max(vertices[2].distance(a)).max(vertices[2].distance(vertices[1]));
+            worst = worst.max((narrow - wide).abs() / f64::from(nearest + longest));
         }
-        println!("worst error {worst:e}");
-        assert!(worst < 1e-6, "{worst:e}");
+        let roundings = worst * f64::from(1 << 24);
+        println!("the worst error is {roundings:.1} half units of the sizes in play");
+        assert!(roundings < 16.0, "{roundings}");
     }
 
     #[test]

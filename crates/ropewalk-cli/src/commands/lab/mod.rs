@@ -5,8 +5,15 @@ mod restart_trail;
 use crate::failure::Failure;
 use clap::{Args, Subcommand};
 
+const EXAMPLES: &str = "\
+Examples:
+  ropewalk lab restart-trail bunny.ply -o bunny
+  ropewalk lab restart-trail room.obj --views within --rounds 0
+  ropewalk lab restart-trail --help";
+
 /// The arguments of `ropewalk lab`.
 #[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     experiment: Experiment,

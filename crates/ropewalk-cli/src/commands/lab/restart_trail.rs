@@ -2,11 +2,11 @@
 
 use crate::device_argument;
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::output::{self, OutputFile};
 use crate::progress::Progress;
 use crate::scene_argument::{DEFAULT_SCENE, SceneArgument, scene_help};
 use crate::threads::{self, MOST_THREADS};
-use crate::interrupt;
 use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use ropewalk::catalogue::TrailOptions;
@@ -113,7 +113,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = arguments.settings()?;
     let files = arguments.output.as_deref().map(Files::new).transpose()?;
     if !machine.optimized && settings.rounds > 0 {
-        output::note("this is a debug build: its times mean little; build with --release, or count with --rounds 0");
+        output::note(
+            "this is a debug build: its times mean little; build with --release, or count with --rounds 0",
+        );
     }
     interrupt::listen()?;
     let mut rows = Vec::new();
@@ -147,8 +149,7 @@ fn compare_scene(
 ) -> Result<Vec<TrailRow>, Failure> {
     let loaded = argument.load()?;
     loaded.note_defects();
-    let scene =
-        if arguments.ground { with_ground(loaded.model.scene) } else { loaded.model.scene };
+    let scene = if arguments.ground { with_ground(loaded.model.scene) } else { loaded.model.scene };
     let progress = Progress::bar(argument.to_string());
     let watch = |step: ropewalk_lab::bench::Progress<'_>| {
         progress.label(format!("{argument}: {}", step.what));
@@ -157,7 +158,9 @@ fn compare_scene(
     compare(&argument.to_string(), &scene, settings, &watch).map_err(|error| match error {
         TrailError::Build(error @ ropewalk::BuildError::Option { .. }) => error.into(),
         TrailError::Gpu(error) => error.into(),
-        TrailError::Stopped => Failure::failed(format!("{argument}: stopped by ctrl-C: the scenes before are kept")),
+        TrailError::Stopped => {
+            Failure::failed(format!("{argument}: stopped by ctrl-C: the scenes before are kept"))
+        }
         other => Failure::failed(format!("{argument}: {other}")),
     })
 }

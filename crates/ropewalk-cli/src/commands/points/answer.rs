@@ -7,7 +7,7 @@ use crate::commands::complete;
 use crate::failure::Failure;
 use crate::output::note;
 use crate::table::thousands;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use ropewalk::{
     CounterTotals, NearestLists, PointQuery, PointSearch, SignedDistance, Structure, SurfaceError,
@@ -177,7 +177,11 @@ fn told(error: &SurfaceError, origin: DVec3) -> String {
         0 => String::new(),
         count => format!(", and {} damaged triangles were left out", thousands(*count)),
     };
-    let [from, to] = [from, to].map(|end| origin + end.as_dvec3());
+    // In f64 only where that says more: its digits of a f32 are many and tell nothing.
+    let in_world = |end: &Vec3| {
+        if origin == DVec3::ZERO { end.to_string() } else { (origin + end.as_dvec3()).to_string() }
+    };
+    let (from, to) = (in_world(from), in_world(to));
     format!(
         "the surface has no inside: of its {} edges {}; one of them runs from {from} to {to}{left_out}. Close the \
          holes, turn triangles so that all face outwards, remove what is there twice, or ask with --query \
@@ -190,7 +194,6 @@ fn told(error: &SurfaceError, origin: DVec3) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
     use ropewalk::{BuildOptions, ClosestPoint, Mesh, Scene};
 
     #[test]

@@ -112,17 +112,16 @@ impl Summary {
     pub(super) fn to_text(&self) -> String {
         let mut text = String::new();
         let (counted, what) = match (self.points_inside, self.points_found) {
-            (Some(inside), _) => (inside, "are inside of"),
-            (None, found) => (found.unwrap_or(0), "have within reach"),
+            (Some(inside), _) => (inside, format!("are inside of {}", self.scene)),
+            (None, found) => (found.unwrap_or(0), format!("find {} within reach", self.scene)),
         };
         let share = 100.0 * counted as f64 / self.points.max(1) as f64;
         let _ = writeln!(
             text,
-            "{}: {} of {} points {what} {} ({share:.1}%)",
+            "{}: {} of {} points {what} ({share:.1}%)",
             self.output,
             thousands(counted),
-            thousands(self.points),
-            self.scene
+            thousands(self.points)
         );
         if let Some(answers) = self.answers {
             let _ = writeln!(text, "answers   {}", thousands(answers));

@@ -15,9 +15,7 @@ use crate::GpuError;
 use crate::shader::{AnyKernel, PointKernel};
 use results::Results;
 use ropewalk::point::{PointSearch, SLACK_SHARE, catalogue};
-use ropewalk::{
-    ClosestPoint, DeviceKind, NearestLists, PointAnswers, PointQuery, TraceOptions, Walk,
-};
+use ropewalk::{ClosestPoint, DeviceKind, NearestLists, PointAnswers, PointQuery, TraceOptions, Walk};
 use std::borrow::Cow;
 use std::time::Duration;
 

@@ -110,7 +110,8 @@ mod tests {
     use crate::shader::STATUS_WRITTEN;
     use ropewalk::Walk;
 
-    const POINT: [u32; 12] = [0x3f80_0000, 0x4000_0000, 0, 0, 0, 0x3e80_0000, 7, 8, 9, STATUS_WRITTEN | 2, 0, 0];
+    const POINT: [u32; 12] =
+        [0x3f80_0000, 0x4000_0000, 0, 0, 0, 0x3e80_0000, 7, 8, 9, STATUS_WRITTEN | 2, 0, 0];
 
     fn results(search: PointSearch, counters: bool, k: usize) -> Results {
         let walk = Walk::default();
@@ -156,7 +157,8 @@ mod tests {
         let mut closest = results(PointSearch::Closest, false, 1);
         assert_eq!(closest.append(&[POINT, [0; 12]].concat()), error(1));
         let append = |held: u32, status, points: [[u32; 12]; 2]| {
-            results(PointSearch::Nearest, false, 2).append(&[&[held, status, 0, 0], points.as_flattened()].concat())
+            results(PointSearch::Nearest, false, 2)
+                .append(&[&[held, status, 0, 0], points.as_flattened()].concat())
         };
         assert_eq!(append(2, STATUS_WRITTEN, [POINT, POINT]), Ok(()));
         assert_eq!(append(0, 0, [[0; 12]; 2]), error(0));

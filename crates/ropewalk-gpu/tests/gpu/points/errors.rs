@@ -6,9 +6,7 @@ use crate::machine::on_every_adapter;
 use crate::scenes::{Case, sphere};
 use crate::trees;
 use ropewalk::wide_bvh::Width;
-use ropewalk::{
-    BuildOptions, Mesh, PointQuery, Scene, Status, Structure, TraceError, Walk, glam::Vec3,
-};
+use ropewalk::{BuildOptions, Mesh, PointQuery, Scene, Status, Structure, TraceError, Walk, glam::Vec3};
 use ropewalk_gpu::{Device, GpuError, Tracer};
 
 fn scene() -> (Case, Vec<PointQuery>) {
@@ -27,7 +25,10 @@ fn too_long_a_list_is_refused() {
                 machine.trusted.nearest_points(&uploaded, Walk::default(), k, &queries, PLAIN).unwrap_err();
             assert_eq!(error, GpuError::TooManyNearest { k, limit: 32 });
             let text = error.to_string();
-            assert!(text.contains(&k.to_string()) && text.contains("32 at most") && text.contains("cpu"), "{text}");
+            assert!(
+                text.contains(&k.to_string()) && text.contains("32 at most") && text.contains("cpu"),
+                "{text}"
+            );
         }
     });
 }

@@ -9,12 +9,10 @@ use ropewalk::{Bvh, PointQuery};
 pub(super) fn against(bvh: &Bvh) -> Vec<PointQuery> {
     let mut random = Random::new(21);
     let (triangles, bounds) = (bvh.triangles(), bvh.bounds());
-    let (center, size) = if triangles.is_empty() {
-        (Vec3::ZERO, 1.0)
-    } else {
-        (bounds.center(), bounds.size().max_element())
-    };
-    let mut points = vec![center, Vec3::ZERO, Vec3::splat(-0.0), bounds.min.min(center), bounds.max.max(center)];
+    let (center, size) =
+        if triangles.is_empty() { (Vec3::ZERO, 1.0) } else { (bounds.center(), bounds.size().max_element()) };
+    let mut points =
+        vec![center, Vec3::ZERO, Vec3::splat(-0.0), bounds.min.min(center), bounds.max.max(center)];
     // Inside and around.
     for _ in 0..60 {
         points.push(center + random.vector() * size * 0.6);
@@ -50,7 +48,9 @@ pub(super) fn against(bvh: &Bvh) -> Vec<PointQuery> {
     for _ in 0..40 {
         let Some(&query) = found.get(random.below(found.len())) else { break };
         let radius = query.radius;
-        for radius in [radius, radius.next_down().max(0.0), radius.next_up(), radius * 1.5, 0.0, -0.0, size * 0.05] {
+        for radius in
+            [radius, radius.next_down().max(0.0), radius.next_up(), radius * 1.5, 0.0, -0.0, size * 0.05]
+        {
             queries.push(query.within(radius));
         }
         let whole = query.within(f32::INFINITY);
@@ -77,7 +77,8 @@ pub(super) fn invalid() -> Vec<PointQuery> {
         PointQuery::new(Vec3::new(f32::from_bits(1), f32::from_bits(0x8000_0001), 0.0)),
     ];
     // Quiet, signalling and negative NaN, the infinities, and what is just too large, in every place.
-    for bits in [0x7fc0_0000, 0x7f80_0001, 0xffff_ffff, 0x7f80_0000, 0xff80_0000, LARGEST_POINT.to_bits() + 1] {
+    for bits in [0x7fc0_0000, 0x7f80_0001, 0xffff_ffff, 0x7f80_0000, 0xff80_0000, LARGEST_POINT.to_bits() + 1]
+    {
         for axis in 0..3 {
             let mut query = good;
             query.point[axis] = f32::from_bits(bits);

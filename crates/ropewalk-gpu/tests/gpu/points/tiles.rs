@@ -30,9 +30,17 @@ fn tiles_change_nothing() {
             for _ in 0..2 {
                 // Different kinds of results in the same buffers.
                 let gpu = tracer.nearest_points(&uploaded, walk, 3, some, COUNTED).unwrap();
-                assert_eq!(compare_nearest(some, &nearest, &gpu.answers, agreement), Ok(()), "tiles of {tile}");
+                assert_eq!(
+                    compare_nearest(some, &nearest, &gpu.answers, agreement),
+                    Ok(()),
+                    "tiles of {tile}"
+                );
                 let gpu = tracer.closest_points(&uploaded, walk, some, COUNTED).unwrap();
-                assert_eq!(compare_closest(some, &closest, &gpu.answers, agreement), Ok(()), "tiles of {tile}");
+                assert_eq!(
+                    compare_closest(some, &closest, &gpu.answers, agreement),
+                    Ok(()),
+                    "tiles of {tile}"
+                );
                 assert_eq!(gpu.device_time.is_some(), machine.gpu().has_timestamps());
             }
         }
@@ -62,10 +70,12 @@ fn no_queries_are_an_answer_too() {
     let (case, _) = scene();
     on_every_adapter(|machine| {
         let uploaded = machine.trusted.upload(&case.structure).unwrap();
-        let closest = machine.trusted.closest_points(&uploaded, Walk::default(), &[], COUNTED).unwrap().answers;
+        let closest =
+            machine.trusted.closest_points(&uploaded, Walk::default(), &[], COUNTED).unwrap().answers;
         assert!(closest.points.is_empty() && closest.status.is_empty());
         assert_eq!(closest.counters, Some(vec![]));
-        let nearest = machine.trusted.nearest_points(&uploaded, Walk::default(), 4, &[], PLAIN).unwrap().answers;
+        let nearest =
+            machine.trusted.nearest_points(&uploaded, Walk::default(), 4, &[], PLAIN).unwrap().answers;
         assert_eq!((nearest.points.offsets, nearest.counters), (vec![0], None));
     });
 }
@@ -112,10 +122,12 @@ fn threads_may_ask_at_the_same_time() {
                     for _ in 0..5 {
                         if thread == 0 {
                             let query = ropewalk::Query::Any;
-                            let traced = tracer.trace(uploaded, Walk::default(), query, &rays, PLAIN).unwrap();
+                            let traced =
+                                tracer.trace(uploaded, Walk::default(), query, &rays, PLAIN).unwrap();
                             assert_eq!(traced.traced.answer.rays_that_hit(), rays.len());
                         }
-                        let gpu = tracer.nearest_points(uploaded, Walk::default(), 8, queries, COUNTED).unwrap();
+                        let gpu =
+                            tracer.nearest_points(uploaded, Walk::default(), 8, queries, COUNTED).unwrap();
                         assert_eq!(compare_nearest(queries, cpu, &gpu.answers, agreement), Ok(()));
                     }
                 });

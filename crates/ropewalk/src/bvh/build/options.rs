@@ -6,7 +6,7 @@ use crate::bvh::MAX_DEPTH;
 /// Which child comes first where exactly one of two children is a leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum LeafOrder {
-    /// As the split made them: the lower side of the axis first.
+    /// As the split made them, the lower side of the axis first; after reinsertion the smaller child first.
     #[default]
     Split,
     /// The leaf first: the "leaf-left trick" of the blog of 2022, by which neighbouring GPU lanes meet their

@@ -99,8 +99,12 @@ mod tests {
 
     #[test]
     fn every_plane_is_weighed_as_if_it_were_alone() {
-        let boxes: Vec<[f32; 2]> =
-            (0..40u8).map(|i| [f32::from(i * 37 % 41), f32::from(i * 37 % 41) + f32::from(i % 5)]).collect();
+        let boxes: Vec<[f32; 2]> = (0..40u16)
+            .map(|i| {
+                let from = f32::from(i * 37 % 41);
+                [from, from + f32::from(i % 5)]
+            })
+            .collect();
         let list = list(&boxes);
         let cost = |middle: usize| {
             let side = |part: &[Reference]| Extent::of(part).half_area() * part.len() as f32;

@@ -154,17 +154,17 @@ impl Lists<'_> {
             parallel,
             || {
                 if axis != 0 {
-                    partition(x, of_x, is_low)
+                    partition(x, of_x, is_low);
                 }
             },
             || {
                 if axis != 1 {
-                    partition(y, of_y, is_low)
+                    partition(y, of_y, is_low);
                 }
             },
             || {
                 if axis != 2 {
-                    partition(z, of_z, is_low)
+                    partition(z, of_z, is_low);
                 }
             },
         );

@@ -10,13 +10,14 @@
 //! question which of two faces at a sharp edge is closer is decided far below a float's last digit. The search is the
 //! stack walk, over the tree that is there already.
 //!
-//! **The surface** (`surface`): vertices of equal position are one; every edge must be shared by exactly two triangles
+//! **The surface** (`connect`, `surface`): vertices of equal position are one; every edge must be shared by exactly two triangles
 //! that run along it in opposite directions. It may have any number of parts, shells within shells included, where a
 //! cavity's shell faces into the cavity. The front of a triangle, from which it runs counter-clockwise, is outside.
 
+mod connect;
 mod surface;
 
-pub use surface::SurfaceError;
+pub use connect::SurfaceError;
 
 use super::distance::box_distance_squared;
 use super::foot::WideFoot;
@@ -77,7 +78,7 @@ pub struct SignedDistance<'a> {
 }
 
 impl<'a> SignedDistance<'a> {
-    /// Finds how the triangles of a tree are connected, in a few tenths of a second for a million of them.
+    /// Finds how the triangles of a tree are connected, in a second or two for a million of them.
     ///
     /// # Errors
     /// When an edge has not exactly two triangles that run along it in opposite directions.

@@ -7,7 +7,9 @@ use crate::bvh::build::part::Part;
 use crate::bvh::build::reference::Reference;
 use crate::bvh::build::sweep::{SweepSplit, sort, sweep};
 
-/// A node with more references is binned: references change on the way down, so that a sweep must sort anew.
+/// A node with more references is binned: references change on the way down, so that a sweep must sort anew. Sweeping
+/// every node takes half as long again and more and gives no fewer visits (kitchen, bunny, two Sponzas); binning every
+/// node costs up to 3 percent more of them.
 const SWEEP: usize = 4096;
 
 /// Room to work in; one node after the other uses it.

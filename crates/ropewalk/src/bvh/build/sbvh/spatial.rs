@@ -135,9 +135,9 @@ impl Grid {
                 bins[first].entries += 1;
                 bins[last].exits += 1;
                 let mut rest = *reference;
-                for index in first..last {
-                    let [part, above] = rest.cut(axis, self.plane(axis, index + 1));
-                    bins[index].bounds.add(&part);
+                for (bin, next) in bins[first..last].iter_mut().zip(first + 1..) {
+                    let [part, above] = rest.cut(axis, self.plane(axis, next));
+                    bin.bounds.add(&part);
                     rest = above;
                 }
                 bins[last].bounds.add(&rest);
