@@ -50,7 +50,7 @@ fn wrong_words_are_answered_with_the_right_ones() {
         ("restart-trail --builder sah", "binned, sweep, sbvh"),
         ("restart-trail --short-stack 17", "0..=16"),
         ("restart-trail --class inside", "ambient-occlusion"),
-        ("restart-trail --duplication 500 builtin:cubes", "400"),
+        ("restart-trail --duplication 500 builtin:cubes --rounds 0", "400"),
     ] {
         run(&format!("lab {words}")).failure(2).mentions(right);
     }

@@ -53,13 +53,14 @@ fn a_bench_of_what_cannot_be_traced_is_an_error() {
     assert!(outcome.err.contains("empty.obj") && outcome.err.contains("nothing to measure"), "{outcome:?}");
 }
 
+/// Every row on the adapters is the business of the GPU crate's conformance test; here the CPU's are enough.
 #[test]
-fn every_row_of_this_machine_conforms() {
-    let adapter = has_adapter();
-    let document = run("verify --json").success().json();
+fn every_row_of_the_cpu_conforms() {
+    let document = run("verify --json --device cpu").success().json();
     assert_eq!(document["passed"], true);
     let devices = document["devices"].as_array().unwrap();
-    assert!(devices.len() > usize::from(adapter));
-    let rows: usize = devices.iter().map(|device| device["rows"].as_array().unwrap().len()).sum();
-    assert!(rows >= ropewalk::catalogue::rows().len() || !adapter);
+    assert_eq!(devices.len(), 1);
+    let rows = ropewalk::catalogue::rows();
+    let cpu = rows.iter().filter(|row| row.device == ropewalk::DeviceKind::Cpu).count();
+    assert_eq!(devices[0]["rows"].as_array().unwrap().len(), cpu);
 }

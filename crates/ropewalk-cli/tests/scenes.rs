@@ -136,10 +136,11 @@ fn the_document_has_every_key() {
 fn references_and_wide_nodes_are_told() {
     let folder = Folder::new();
     let mut text = String::new();
-    for index in 0..60 {
-        // Long slanted triangles side by side, whose boxes overlap almost wholly.
-        let x = f64::from(index) * 0.05;
-        text += &format!("v {x} 0 0\nv {} 10 10\nv {} 10 10.1\nf -3 -2 -1\n", x + 10.0, x + 10.0);
+    for index in 0..30 {
+        // A grating of bars along x and bars along z: whole bars overlap, their parts do not.
+        let at = f64::from(index) * 0.5;
+        text += &format!("v 0 0 {at}\nv 15 0 {at}\nv 15 0.1 {at}\nf -3 -2 -1\n");
+        text += &format!("v {at} 0 0\nv {at} 0 15\nv {at} 0.1 15\nf -3 -2 -1\n");
     }
     let scene = folder.write("sticks.obj", &text);
     let info = |structure: &str| {

@@ -182,6 +182,6 @@ mod tests {
         assert!(missing.contains("stack:order=ordered"), "{missing}");
         let missing =
             check(StructureKind::Bvh, Walk::BruteForce, Query::All, DeviceKind::Gpu).unwrap_err().to_string();
-        assert!(missing.contains("--device cpu"), "{missing}");
+        assert!(missing.contains("stack:order=ordered, restart-trail:short-stack=0"), "{missing}");
     }
 }

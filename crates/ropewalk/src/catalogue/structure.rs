@@ -30,7 +30,7 @@ impl StructureSpec {
     #[must_use]
     pub fn every() -> Vec<Self> {
         let plain = BuildOptions::default();
-        let sweep = BuildOptions { builder: Builder::SweepSah, ..plain };
+        let sweep = BuildOptions { builder: Builder::SweepSah, reinsertion: 3, ..plain };
         let sbvh = BuildOptions { builder: Builder::Sbvh, ..plain };
         let wide = WideOptions::default();
         vec![
@@ -38,11 +38,8 @@ impl StructureSpec {
             Self::Bvh(BuildOptions { leaf_order: LeafOrder::Left, ..plain }),
             Self::Bvh(sweep),
             Self::Bvh(sbvh),
-            Self::Bvh(BuildOptions { reinsertion: 3, ..plain }),
-            Self::WideBvh(WideOptions { width: Width::Four, ..wide }),
             Self::WideBvh(wide),
-            Self::WideBvh(WideOptions { width: Width::Four, collapse: Collapse::Sah, build: sweep }),
-            Self::WideBvh(WideOptions { collapse: Collapse::Sah, build: sbvh, ..wide }),
+            Self::WideBvh(WideOptions { width: Width::Four, collapse: Collapse::Sah, build: sbvh }),
         ]
     }
 

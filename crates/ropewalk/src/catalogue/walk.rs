@@ -111,7 +111,7 @@ const fn trail(short_stack: u32, register: TrailRegister, memory: StackMemory) -
 impl Walk {
     /// Every walk, in the settings in which the conformance suite tries it against the oracle. The short stacks of
     /// the sizes between are compared with these.
-    pub const EVERY: [Self; 17] = [
+    pub const EVERY: [Self; 14] = [
         Self::BruteForce,
         Self::Recursive,
         Self::Stack(StackOrder::Unordered),
@@ -120,14 +120,11 @@ impl Walk {
         Self::Stack(StackOrder::Ordered),
         trail(0, TrailRegister::Auto, StackMemory::Private),
         trail(1, TrailRegister::Auto, StackMemory::Private),
-        trail(3, TrailRegister::Auto, StackMemory::Private),
         trail(4, TrailRegister::Auto, StackMemory::Private),
-        trail(8, TrailRegister::Auto, StackMemory::Private),
         trail(16, TrailRegister::Auto, StackMemory::Private),
         trail(2, TrailRegister::Array, StackMemory::Private),
         trail(2, TrailRegister::U32, StackMemory::Private),
         trail(2, TrailRegister::U64, StackMemory::Private),
-        trail(1, TrailRegister::Auto, StackMemory::Workgroup),
         trail(4, TrailRegister::Auto, StackMemory::Workgroup),
     ];
 

@@ -154,7 +154,7 @@ mod tests {
                     let is_one = |walk: &&Walk| matches!(walk, Walk::RestartTrail(it) if it.memory == memory);
                     walks.iter().filter(is_one).count()
                 };
-                assert!(trails(StackMemory::Private) >= 9);
+                assert!(trails(StackMemory::Private) >= 7);
                 assert_eq!(trails(StackMemory::Workgroup) > 0, device == DeviceKind::Gpu);
             }
         }

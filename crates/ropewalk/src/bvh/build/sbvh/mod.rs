@@ -23,7 +23,7 @@
 //! planes of triangles had another hit than in a tree without spatial splits (kitchen, two Sponzas), a wider margin
 //! did not help, and a ray of the conformance suite was among them. With cut boxes none of 24,300,000 rays of all kinds
 //! had. What clipping would save, with leaves of 4: no inner visits in the kitchen and in Dabrovic's Sponza, 7 to 12
-//! percent of them in Crytek's, and 12 to 20 percent of the primitive tests.
+//! percent of them in Crytek's, and 12 to 25 percent of the primitive tests.
 //!
 //! **The budget.** Spatial splits may add `duplication` percent of the number of triangles. Of what a node does not
 //! use each child gets its share, by the number of references. A node knows its own share alone, so the tree is the
