@@ -134,10 +134,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(files) = files.filter(|_| !document.rows.is_empty()) {
         files.write(&document)?;
     }
-    if arguments.json {
-        output::print_json(&document)?;
-    } else if arguments.output.is_none() || !document.rows.is_empty() {
-        output::print(&text(&document))?;
+    // A run that failed before anything was finished has nothing to print.
+    if failure.is_none() || !document.rows.is_empty() {
+        if arguments.json {
+            output::print_json(&document)?;
+        } else {
+            output::print(&text(&document))?;
+        }
     }
     failure.map_or(Ok(()), Err)
 }
