@@ -4,113 +4,36 @@
 
 use glam::Vec3;
 use ropewalk::bvh::walk::{
-    ArrayTrail, BvhWalk, ClosestHit, Collect, Ordered, RestartTrail, Summary, Trail, TrailU32, TrailU64,
-    Visitor,
+    ArrayTrail, BvhWalk, ClosestHit, Ordered, RestartTrail, Summary, Trail, TrailU32, TrailU64,
+    TriangleVisitor,
 };
 use ropewalk::bvh::{MAX_DEPTH, Node};
 use ropewalk::catalogue::{TrailOptions, TrailRegister};
 use ropewalk::{
-    BuildOptions, Builder, Bvh, Counters, FlatTriangle, Mesh, PreparedRay, Query, Ray, Scene, TraceError,
-    TraceOptions, Walk, glam,
+    BuildOptions, Builder, Bvh, Counters, FlatTriangle, Mesh, NoProbe, PreparedRay, Query, Ray, Scene,
+    TraceError, TraceOptions, Walk, glam,
 };
+use ropewalk_testkit::faulty_trail::{Faulty, NO_POP_LEVEL, PRINTED_CLEARING, PRINTED_LOWEST_BIT, SOUND};
 use ropewalk_testkit::meshes;
 use ropewalk_testkit::random::Random;
-use std::ops::ControlFlow;
+use ropewalk_testkit::recorder::{Events, Fault, Recorder};
 
-/// What a walk does, in its order.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Event {
-    Inner(u32),
-    Leaf(u32),
-    Restart,
-}
-
-/// Records events, tests the triangles, and stops a walk that does not end.
-struct Recorder<'a> {
-    triangles: &'a [FlatTriangle],
-    ray: &'a PreparedRay,
-    closest: ClosestHit,
-    events: Vec<Event>,
-}
-
-/// More than any walk of these tests takes.
-const ENOUGH: usize = 200_000;
-
-impl Visitor for Recorder<'_> {
-    fn t_max(&self) -> f32 {
-        self.closest.t_max()
-    }
-
-    fn inner_visit(&mut self, node: u32) {
-        self.events.push(Event::Inner(node));
-    }
-
-    fn stack_depth(&mut self, _entries: usize) {}
-
-    fn restart(&mut self) {
-        self.events.push(Event::Restart);
-    }
-
-    fn leaf(&mut self, first: u32, count: u32) -> ControlFlow<()> {
-        self.events.push(Event::Leaf(first));
-        for triangle in &self.triangles[first as usize..][..count as usize] {
-            if let Some(hit) = triangle.intersect(self.ray, self.closest.t_max()) {
-                self.closest.offer(hit)?;
-            }
-        }
-        if self.events.len() > ENOUGH { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
-fn record<W: BvhWalk>(bvh: &Bvh, walk: W, ray: &PreparedRay) -> (ropewalk::Hit, Vec<Event>) {
-    let mut recorder =
-        Recorder { triangles: bvh.triangles(), ray, closest: ClosestHit::new(ray), events: Vec::new() };
+/// The words of the closest hit, and what happened on the way to it.
+fn record<W: BvhWalk>(bvh: &Bvh, walk: W, ray: &PreparedRay) -> ([u32; 7], Events) {
+    let mut recorder = Recorder::new(TriangleVisitor {
+        triangles: bvh.triangles(),
+        ray,
+        collect: ClosestHit::new(ray),
+        probe: NoProbe,
+    });
     walk.walk(bvh.nodes(), ray, &mut recorder);
-    (recorder.closest.answer(), recorder.events)
-}
-
-/// The leaves, in the order in which they were entered.
-fn leaves(events: &[Event]) -> Vec<u32> {
-    let leaf = |event: &Event| if let Event::Leaf(first) = event { Some(*first) } else { None };
-    events.iter().filter_map(leaf).collect()
-}
-
-/// The nodes that were visited, each once, in the order of the first visit.
-fn first_visits(events: &[Event]) -> Vec<Event> {
-    let mut seen = std::collections::HashSet::new();
-    let is_new = |event: &&Event| match event {
-        Event::Inner(node) => seen.insert(*node),
-        Event::Leaf(_) => true,
-        Event::Restart => false,
-    };
-    events.iter().filter(is_new).copied().collect()
-}
-
-fn has_twice(leaves: &[u32]) -> bool {
-    let mut sorted = leaves.to_vec();
-    sorted.sort_unstable();
-    sorted.windows(2).any(|pair| pair[0] == pair[1])
+    let (visitor, events) = recorder.finish();
+    (visitor.collect.answer().to_words(), events)
 }
 
 /// What is wrong with a walk, compared with the full stack on the same ray.
-fn fault<W: BvhWalk>(bvh: &Bvh, walk: W, ray: &PreparedRay) -> Option<&'static str> {
-    let (full_hit, full) = record(bvh, Ordered, ray);
-    let (hit, events) = record(bvh, walk, ray);
-    if events.len() > ENOUGH {
-        Some("it does not end")
-    } else if hit.to_words() != full_hit.to_words() {
-        Some("another hit")
-    } else if has_twice(&leaves(&events)) {
-        Some("a leaf was entered twice")
-    } else if leaves(&events) != leaves(&full) {
-        Some("other leaves, or in another order")
-    } else if first_visits(&events) != first_visits(&full) {
-        Some("other nodes, or in another order")
-    } else if !events.contains(&Event::Restart) && events != full {
-        Some("a walk without a restart is not that of the full stack")
-    } else {
-        None
-    }
+fn faults<W: BvhWalk>(bvh: &Bvh, walk: W, ray: &PreparedRay) -> Vec<Fault> {
+    Events::faults(&record(bvh, Ordered, ray), &record(bvh, walk, ray), false)
 }
 
 /// Scenes in which rays meet many boxes that overlap, with rays through them.
@@ -177,10 +100,10 @@ fn every_stack_and_register_walks_like_the_full_stack() {
     each(120, |name, bvh, rays| {
         for ray in rays {
             for short_stack in 0..=16 {
-                assert_eq!(fault(bvh, RestartTrail::<ArrayTrail>::new(short_stack), ray), None, "{name}");
-                assert_eq!(fault(bvh, RestartTrail::<TrailU64>::new(short_stack), ray), None, "{name}");
+                assert_eq!(faults(bvh, RestartTrail::<ArrayTrail>::new(short_stack), ray), [], "{name}");
+                assert_eq!(faults(bvh, RestartTrail::<TrailU64>::new(short_stack), ray), [], "{name}");
                 if bvh.report().depth <= TrailU32::LEVELS {
-                    assert_eq!(fault(bvh, RestartTrail::<TrailU32>::new(short_stack), ray), None, "{name}");
+                    assert_eq!(faults(bvh, RestartTrail::<TrailU32>::new(short_stack), ray), [], "{name}");
                 }
             }
         }
@@ -198,7 +121,7 @@ fn with_an_unlimited_stack_the_sequence_is_that_of_the_full_stack() {
             assert_eq!(trail, full, "{name}");
             let (_, trail) = record(bvh, RestartTrail::<ArrayTrail, 64>::new(64), ray);
             assert_eq!(trail, full, "{name}");
-            events += full.len();
+            events += full.0.len();
         }
     });
     assert!(events > 100_000, "only {events} events were compared");
@@ -227,71 +150,14 @@ fn a_longer_stack_never_costs_visits() {
     });
 }
 
-/// A register trail with a fault, by [`Faulty::FAULT`].
-#[derive(Clone, Copy)]
-struct Faulty<const FAULT: u8> {
-    trail: u64,
-    level: u64,
-    pop_level: u64,
-    pops: u32,
-}
-
-const NO_POP_LEVEL: u8 = 0;
-const PRINTED_CLEARING: u8 = 1;
-const PRINTED_LOWEST_BIT: u8 = 2;
-const SOUND: u8 = 3;
-
-impl<const FAULT: u8> Trail for Faulty<FAULT> {
-    const LEVELS: u32 = 63;
-
-    fn new() -> Self {
-        Self { trail: 0, level: 1 << 63, pop_level: 0, pops: 0 }
-    }
-
-    fn descend(&mut self) {
-        self.level >>= 1;
-    }
-
-    fn is_near_done(&self) -> bool {
-        self.trail & self.level != 0
-    }
-
-    fn set_single(&mut self) {
-        self.trail |= self.level;
-    }
-
-    fn is_pop_level(&self) -> bool {
-        FAULT != NO_POP_LEVEL && self.level == self.pop_level
-    }
-
-    fn finish(&mut self) -> bool {
-        self.trail = match FAULT {
-            PRINTED_CLEARING => (self.trail & !self.level).wrapping_add(self.level),
-            _ => (self.trail & self.level.wrapping_neg()).wrapping_add(self.level),
-        };
-        self.level = if FAULT == PRINTED_LOWEST_BIT {
-            let half = self.trail >> 1;
-            (half.wrapping_sub(1) ^ half).wrapping_add(1)
-        } else {
-            self.trail & self.trail.wrapping_neg()
-        };
-        self.pop_level = self.level;
-        // A trail that leads in circles is to end some time.
-        self.pops += 1;
-        self.trail >> 63 == 0 && (self.pops as usize) < ENOUGH / 20
-    }
-
-    fn restart(&mut self) {
-        self.level = 1 << 63;
-    }
-}
-
 /// How many rays of all trees show a fault.
 fn rays_at_fault<T: Trail + Sync>(short_stack: u32) -> usize {
     let mut count = 0;
     each(40, |_, bvh, rays| {
-        count +=
-            rays.iter().filter(|ray| fault(bvh, RestartTrail::<T>::new(short_stack), ray).is_some()).count();
+        count += rays
+            .iter()
+            .filter(|ray| !faults(bvh, RestartTrail::<T>::new(short_stack), ray).is_empty())
+            .count();
     });
     count
 }
@@ -312,8 +178,8 @@ fn without_the_pop_level_leaves_are_entered_twice() {
     each(120, |_, bvh, rays| {
         for ray in rays {
             let (hit, events) = record(bvh, RestartTrail::<Faulty<NO_POP_LEVEL>>::new(0), ray);
-            twice += usize::from(has_twice(&leaves(&events)));
-            other_hits += usize::from(hit.to_words() != record(bvh, Ordered, ray).0.to_words());
+            twice += usize::from(events.enters_a_leaf_twice());
+            other_hits += usize::from(hit != record(bvh, Ordered, ray).0);
         }
     });
     assert!(twice > 10, "{twice} rays entered a leaf twice");
@@ -360,27 +226,19 @@ fn the_deepest_level_of_a_register_counts() {
             let bvh = chain(depth, leaf_first);
             assert_eq!(bvh.report().depth, depth);
             for short_stack in 0..=16 {
-                assert_eq!(fault(&bvh, RestartTrail::<ArrayTrail>::new(short_stack), &ray), None, "{depth}");
+                assert_eq!(faults(&bvh, RestartTrail::<ArrayTrail>::new(short_stack), &ray), [], "{depth}");
                 if depth <= TrailU32::LEVELS {
-                    assert_eq!(
-                        fault(&bvh, RestartTrail::<TrailU32>::new(short_stack), &ray),
-                        None,
-                        "{depth}"
-                    );
+                    assert_eq!(faults(&bvh, RestartTrail::<TrailU32>::new(short_stack), &ray), [], "{depth}");
                 }
                 if depth <= TrailU64::LEVELS {
-                    assert_eq!(
-                        fault(&bvh, RestartTrail::<TrailU64>::new(short_stack), &ray),
-                        None,
-                        "{depth}"
-                    );
+                    assert_eq!(faults(&bvh, RestartTrail::<TrailU64>::new(short_stack), &ray), [], "{depth}");
                 }
             }
         }
     }
     let printed = RestartTrail::<Faulty<PRINTED_LOWEST_BIT>>::new(1);
-    assert!(fault(&chain(63, false), printed, &ray).is_some());
-    assert!(fault(&chain(62, false), printed, &ray).is_none());
+    assert_ne!(faults(&chain(63, false), printed, &ray), []);
+    assert_eq!(faults(&chain(62, false), printed, &ray), []);
 }
 
 /// A register that is too short is refused, and the refusal says what to do; the automatic choice always serves.
@@ -433,15 +291,37 @@ fn capped_builders_serve_the_registers() {
                 assert!(bvh.report().depth <= max_depth);
                 for ray in rays(9, 300) {
                     let walk = RestartTrail::<TrailU64>::new(1);
-                    assert_eq!(fault(&bvh, walk, &ray), None, "{options:?}");
+                    assert_eq!(faults(&bvh, walk, &ray), [], "{options:?}");
                     if max_depth == 31 {
                         let walk = RestartTrail::<TrailU32>::new(0);
-                        assert_eq!(fault(&bvh, walk, &ray), None, "{options:?}");
+                        assert_eq!(faults(&bvh, walk, &ray), [], "{options:?}");
                     }
                 }
             }
         }
     }
+}
+
+/// Culling at pop spares visits and changes no hit.
+#[test]
+fn without_culling_at_pop_the_hits_are_the_same() {
+    let (mut with, mut without) = (0, 0);
+    each(120, |name, bvh, rays| {
+        for ray in rays {
+            let (hit, events) = record(bvh, Ordered, ray);
+            with += events.inner_visits();
+            for short_stack in [0, 1, 3, 64] {
+                let walk = RestartTrail::<ArrayTrail, 64, false>::new(short_stack);
+                let (other, events) = record(bvh, walk, ray);
+                assert_eq!(other, hit, "{name}, {short_stack} entries");
+                assert!(events.ends() && !events.enters_a_leaf_twice(), "{name}, {short_stack} entries");
+                if short_stack == 64 {
+                    without += events.inner_visits();
+                }
+            }
+        }
+    });
+    assert!(with < without, "{with} visits with culling at pop, {without} without");
 }
 
 /// All four queries, counted and plain, through the catalogue's own door.

@@ -1,39 +1,40 @@
-// The batch kernel: one invocation a ray, rays in, results out.
-// Source: DESIGN, "Shaders": at most 4 storage buffers and nothing that is not portable. WALK is the file of the walk,
-//   COLLECT and RESULT those of the query.
-// Invariants: every ray below the count has all its words written, once, whatever becomes of it; the status word has
+// The frame of every kernel: one invocation a record, a ray or a point query; records in, results out.
+// Source: DESIGN, "Shaders": at most 4 storage buffers and nothing that is not portable. The kernel itself is a function
+//   answer(index). SEEKER is the file of what goes through the tree, WALK that of the walk, COLLECT and RESULT those of
+//   what is asked.
+// Invariants: every record below the count has all its words written, once, whatever becomes of it; the status word has
 //   a bit that only a write sets, and the host zeroes the results before each run.
 
-#import shared/ray
 #import shared/probe
 #import shared/status
 #import shared/invocation
 #import shared/loops
+#import #{SEEKER}
 #import #{COLLECT}
 #import #{WALK}
 #import #{RESULT}
 
 struct Batch {
-    ray_count: u32,
+    // Records.
+    count: u32,
     node_count: u32,
     step_budget: u32,
     // WGSL has no word for it.
     infinity: f32,
+    // Of point queries: how many triangles are wanted, where several are.
+    k: u32,
+    // Of point queries: how far a search reaches beyond its limit; zero without spatial splits: see point_slack.
+    slack_share: f32,
 }
 
-// RAY_WORDS a ray: nine, and with ALL the place of its first hit and how many it has room for.
-@group(#{BATCH_GROUP}) @binding(0) var<storage, read> rays: array<u32>;
+@group(#{BATCH_GROUP}) @binding(0) var<storage, read> records: array<u32>;
 @group(#{BATCH_GROUP}) @binding(2) var<uniform> batch: Batch;
 
-fn load_ray(index: u32) -> Ray {
-    let at = #{RAY_WORDS}u * index;
-    return Ray(
-        bitcast<vec3<f32>>(vec3<u32>(rays[at], rays[at + 1u], rays[at + 2u])),
-        bitcast<f32>(rays[at + 3u]),
-        bitcast<vec3<f32>>(vec3<u32>(rays[at + 4u], rays[at + 5u], rays[at + 6u])),
-        bitcast<f32>(rays[at + 7u]),
-        rays[at + 8u],
-    );
+// Leads the seeker through the tree; the status of the walk.
+fn lead(seeker: Seeker, collect: ptr<function, Collect>) -> u32 {
+    let status = walk_bvh(seeker, batch.node_count, batch.step_budget, collect);
+    // There is at least this record.
+    return select(status, STATUS_STEP_BUDGET, loops_were_cut(min(batch.count, 1u)));
 }
 
 @compute @workgroup_size(#{WORKGROUP_SIZE})
@@ -42,25 +43,7 @@ fn trace(
     @builtin(local_invocation_index) invocation: u32,
 ) {
     local_index = invocation;
-    let index = id.x;
-    if index >= batch.ray_count {
-        return;
+    if id.x < batch.count {
+        answer(id.x);
     }
-    let ray = load_ray(index);
-    var collect = new_collect(batch.infinity);
-#ifdef ALL
-    collect.first = rays[#{RAY_WORDS}u * index + 9u];
-    collect.room = rays[#{RAY_WORDS}u * index + 10u];
-#endif
-    var status = STATUS_INVALID_RAY;
-    if is_valid(ray) {
-        let prepared = prepare_ray(ray);
-        collect.t_max = prepared.t_max;
-        status = walk_bvh(prepared, batch.node_count, batch.step_budget, &collect);
-        // There is at least this ray.
-        if loops_were_cut(min(batch.ray_count, 1u)) {
-            status = STATUS_STEP_BUDGET;
-        }
-    }
-    store_result(index, collect, status);
 }

@@ -8,7 +8,7 @@
 
 @group(#{BATCH_GROUP}) @binding(1) var<storage, read_write> results: array<vec4<u32>>;
 
-fn store_result(index: u32, query: PreparedPoint, collect: ptr<function, PointCollect>, status: u32) {
+fn store_result(index: u32, query: PreparedPoint, collect: ptr<function, Collect>, status: u32) {
     var closest = no_closest_point(batch.infinity);
     if (*collect).is_found {
         let found = (*collect).closest;

@@ -5,7 +5,7 @@
 #import shared/point_distance
 #import shared/point_order
 
-struct PointCollect {
+struct Collect {
     // What a squared distance must not exceed; follows what is found.
     reach: f32,
     // How far the search reaches beyond what is found, or the radius.
@@ -17,12 +17,12 @@ struct PointCollect {
 }
 
 // Nothing found yet. One triangle is kept, whatever `k` says.
-fn new_point_collect(radius: f32, slack: f32, k: u32) -> PointCollect {
-    return PointCollect(reach(radius + slack), slack, radius, false, Found(0.0, 0u));
+fn new_collect(radius: f32, slack: f32, k: u32) -> Collect {
+    return Collect(reach(radius + slack), slack, radius, false, Found(0.0, 0u));
 }
 
 // A triangle's distance, perhaps beyond the radius, and perhaps not for the first time.
-fn offer_point(collect: ptr<function, PointCollect>, found: Found) {
+fn offer_point(collect: ptr<function, Collect>, found: Found) {
     if found.distance > (*collect).radius {
         return;
     }

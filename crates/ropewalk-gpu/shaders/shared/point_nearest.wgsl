@@ -7,7 +7,7 @@
 #import shared/point_distance
 #import shared/point_order
 
-struct PointCollect {
+struct Collect {
     // What a squared distance must not exceed; follows the limit.
     reach: f32,
     // How far the search reaches beyond the limit.
@@ -20,8 +20,8 @@ struct PointCollect {
 }
 
 // Nothing found yet.
-fn new_point_collect(radius: f32, slack: f32, k: u32) -> PointCollect {
-    var collect: PointCollect;
+fn new_collect(radius: f32, slack: f32, k: u32) -> Collect {
+    var collect: Collect;
     collect.reach = reach(radius + slack);
     collect.slack = slack;
     collect.limit = radius;
@@ -30,7 +30,7 @@ fn new_point_collect(radius: f32, slack: f32, k: u32) -> PointCollect {
 }
 
 // A triangle's distance, perhaps beyond the limit, and perhaps not for the first time.
-fn offer_point(collect: ptr<function, PointCollect>, found: Found) {
+fn offer_point(collect: ptr<function, Collect>, found: Found) {
     if found.distance > (*collect).limit {
         return;
     }

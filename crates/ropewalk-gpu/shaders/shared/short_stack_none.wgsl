@@ -1,6 +1,6 @@
 // The short stack without a place: every push is forgotten, every pop finds nothing.
 // Source: Laine 2010; the twin of ropewalk's bvh/walk/short_stack.rs with a capacity of 0.
-// Invariants: no memory at all. The same functions as short_stack_private and short_stack_workgroup.
+// Invariants: no memory at all. The same functions as short_stack_ring.
 
 #import shared/postponed
 

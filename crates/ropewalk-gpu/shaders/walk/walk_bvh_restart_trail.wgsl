@@ -1,17 +1,17 @@
 // The restart trail: a bit a level leads back after a restart at the root, so that the stack may be of any size, or none.
 // Source: Laine 2010; the twin of ropewalk's bvh/walk/restart_trail.rs, visit for visit; its corrections are named there.
-//   TRAIL is the file of the trail's bits, SHORT_STACK that of the stack.
+//   SEEKER is the file of what goes through the tree, TRAIL that of the trail's bits, SHORT_STACK that of the stack.
 // Invariants: the tree is no deeper than the trail. A step enters one node. Each way down begins at the root or at an
 //   entry of the stack, is no longer than the tree is deep, and ends where a subtree is finished; these subtrees do not
 //   overlap. So a valid tree never uses up a budget of its leaves times the nodes on its longest path.
 
-#import shared/leaf
+#import #{SEEKER}
 #import shared/status
 #import #{TRAIL}
 #import #{SHORT_STACK}
 
-// Leads the ray through the tree; the status of the walk.
-fn walk_bvh(ray: PreparedRay, node_count: u32, step_budget: u32, collect: ptr<function, Collect>) -> u32 {
+// Leads the seeker through the tree; the status of the walk.
+fn walk_bvh(seeker: Seeker, node_count: u32, step_budget: u32, collect: ptr<function, Collect>) -> u32 {
     if node_count == 0u {
         return STATUS_COMPLETE;
     }
@@ -21,7 +21,7 @@ fn walk_bvh(ray: PreparedRay, node_count: u32, step_budget: u32, collect: ptr<fu
     var steps_left = step_budget;
     var current = 0u;
     let root = load_node(0u);
-    // Of the current node; a child's are at hand when its box has been tested.
+    // Of the current node; a child's are at hand when its box has been asked.
     var link = root.link;
     var count = root.count;
     loop {
@@ -30,7 +30,7 @@ fn walk_bvh(ray: PreparedRay, node_count: u32, step_budget: u32, collect: ptr<fu
         }
         steps_left -= 1u;
         if count != 0u {
-            if visit_leaf(ray, link, count, collect) {
+            if visit_leaf(seeker, link, count, collect) {
                 return STATUS_COMPLETE;
             }
         } else {
@@ -39,8 +39,9 @@ fn walk_bvh(ray: PreparedRay, node_count: u32, step_budget: u32, collect: ptr<fu
             let second = link;
             let first_node = load_node(first);
             let second_node = load_node(second);
-            let a = slab_test(ray, first_node.low, first_node.high, (*collect).t_max);
-            let b = slab_test(ray, second_node.low, second_node.high, (*collect).t_max);
+            let limit = limit_of(collect);
+            let a = approach(seeker, first_node.low, first_node.high, limit);
+            let b = approach(seeker, second_node.low, second_node.high, limit);
             let hit_a = is_hit(a);
             let hit_b = is_hit(b);
             if hit_a || hit_b {
@@ -86,8 +87,8 @@ fn walk_bvh(ray: PreparedRay, node_count: u32, step_budget: u32, collect: ptr<fu
                 current = 0u;
                 break;
             }
-            // Closed: at equal t a smaller id may still win.
-            if far.entry <= (*collect).t_max {
+            // Closed: at equal distance a smaller id may still win.
+            if far.entry <= limit_of(collect) {
                 current = far.node;
                 break;
             }

@@ -1,14 +1,14 @@
 // The ordered stack walk: nearer child first, leaves too, and a last look before a postponed child is entered.
-// Source: the twin of ropewalk's bvh/walk/ordered.rs, visit for visit.
+// Source: the twin of ropewalk's bvh/walk/ordered.rs, visit for visit. SEEKER is the file of what goes through the tree.
 // Invariants: one child a level is postponed, so a stack of the tree's depth is never full. A step enters one node,
 //   and each node is entered once, so a budget of the number of nodes is never used up by a valid tree.
 
-#import shared/leaf
+#import #{SEEKER}
 #import shared/postponed
 #import shared/status
 
-// Leads the ray through the tree; the status of the walk.
-fn walk_bvh(ray: PreparedRay, node_count: u32, step_budget: u32, collect: ptr<function, Collect>) -> u32 {
+// Leads the seeker through the tree; the status of the walk.
+fn walk_bvh(seeker: Seeker, node_count: u32, step_budget: u32, collect: ptr<function, Collect>) -> u32 {
     if node_count == 0u {
         return STATUS_COMPLETE;
     }
@@ -17,7 +17,7 @@ fn walk_bvh(ray: PreparedRay, node_count: u32, step_budget: u32, collect: ptr<fu
     var steps_left = step_budget;
     var current = 0u;
     let root = load_node(0u);
-    // Of the current node; a child's are at hand when its box has been tested.
+    // Of the current node; a child's are at hand when its box has been asked.
     var link = root.link;
     var count = root.count;
     loop {
@@ -26,7 +26,7 @@ fn walk_bvh(ray: PreparedRay, node_count: u32, step_budget: u32, collect: ptr<fu
         }
         steps_left -= 1u;
         if count != 0u {
-            if visit_leaf(ray, link, count, collect) {
+            if visit_leaf(seeker, link, count, collect) {
                 return STATUS_COMPLETE;
             }
         } else {
@@ -35,8 +35,9 @@ fn walk_bvh(ray: PreparedRay, node_count: u32, step_budget: u32, collect: ptr<fu
             let second = link;
             let first_node = load_node(first);
             let second_node = load_node(second);
-            let a = slab_test(ray, first_node.low, first_node.high, (*collect).t_max);
-            let b = slab_test(ray, second_node.low, second_node.high, (*collect).t_max);
+            let limit = limit_of(collect);
+            let a = approach(seeker, first_node.low, first_node.high, limit);
+            let b = approach(seeker, second_node.low, second_node.high, limit);
             let hit_a = is_hit(a);
             let hit_b = is_hit(b);
             if hit_a || hit_b {
@@ -62,8 +63,8 @@ fn walk_bvh(ray: PreparedRay, node_count: u32, step_budget: u32, collect: ptr<fu
                 return STATUS_COMPLETE;
             }
             entries -= 1u;
-            // Closed: at equal t a smaller id may still win.
-            if stack[entries].entry <= (*collect).t_max {
+            // Closed: at equal distance a smaller id may still win.
+            if stack[entries].entry <= limit_of(collect) {
                 break;
             }
         }

@@ -4,9 +4,8 @@ use super::assembly::{AssemblyError, Definitions};
 use super::library::ShaderLibrary;
 use crate::gpu::WORKGROUP_SIZE;
 use ropewalk::bvh::StackOrder;
-use ropewalk::bvh::walk::{Trail, TrailU32, TrailU64};
 use ropewalk::catalogue::{StackMemory, TrailOptions, TrailRegister, is_offered};
-use ropewalk::wide_bvh::{Width, walk as wide};
+use ropewalk::wide_bvh::Width;
 use ropewalk::{
     DeviceKind, FlatTriangle, Hit, LARGEST_DIRECTION, Query, SMALLEST_DIRECTION, Status, StructureKind,
     TraceError, Walk, aabb, ray,
@@ -50,19 +49,9 @@ impl Tree {
     pub fn resolve(self, walk: Walk, depth: u32) -> Result<Walk, TraceError> {
         let Walk::RestartTrail(options) = walk else { return Ok(walk) };
         let register = match self {
-            Self::Binary => options.register_for(depth),
-            Self::Wide(_) => options.wide_register_for(depth),
+            Self::Binary => options.register_for(depth)?,
+            Self::Wide(_) => options.wide_register_for(depth)?,
         };
-        let limit = match (self, register) {
-            (Self::Binary, TrailRegister::U32) => TrailU32::LEVELS,
-            (Self::Binary, TrailRegister::U64) => TrailU64::LEVELS,
-            (Self::Wide(_), TrailRegister::U64) => <wide::TrailU64 as wide::Trail>::LEVELS,
-            // The array goes through every tree; a wide one has no u32, as the catalogue says.
-            _ => u32::MAX,
-        };
-        if depth > limit {
-            return Err(TraceError::too_deep(walk, depth, limit));
-        }
         let short_stack = options.short_stack.min(TrailOptions::MAX_SHORT_STACK);
         // Where there is no stack, it is nowhere.
         let memory = if short_stack == 0 { StackMemory::Private } else { options.memory };
@@ -70,7 +59,7 @@ impl Tree {
     }
 }
 
-/// One combination of the batch kernel.
+/// One combination of the kernel of rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Kernel {
     /// What it goes through.
@@ -155,7 +144,8 @@ impl Kernel {
             Query::Count => ("shared/collect_count", "kernel/result_word"),
             Query::All => ("shared/collect_all", "kernel/result_all"),
         };
-        definitions = definitions.text("COLLECT", collect).text("RESULT", result);
+        definitions =
+            definitions.text("SEEKER", "shared/seek_ray").text("COLLECT", collect).text("RESULT", result);
         if let Tree::Wide(width) = self.tree {
             definitions = definitions.text("WIDTH", width.children());
         }
@@ -163,28 +153,7 @@ impl Kernel {
             // Without a walk the shader cannot be assembled, which is the right answer.
             return definitions;
         }
-        match (self.walk, self.tree) {
-            (Walk::BruteForce | Walk::Recursive, _) => definitions,
-            (Walk::Stack(order), tree) => {
-                let walk = match (tree, order) {
-                    (Tree::Wide(_), _) => "walk/walk_wide_bvh_stack",
-                    (Tree::Binary, StackOrder::Ordered) => "walk/walk_bvh_stack",
-                    (Tree::Binary, _) => "walk/walk_bvh_postponed",
-                };
-                definitions
-                    .text("WALK", walk)
-                    .text("STACK_ENTRIES", self.stack_entries)
-                    .flag("CULL", order != StackOrder::Unordered)
-                    .flag("SORT", order == StackOrder::Sorted)
-            }
-            (Walk::RestartTrail(options), tree) => {
-                let walk = match tree {
-                    Tree::Binary => "walk/walk_bvh_restart_trail",
-                    Tree::Wide(_) => "walk/walk_wide_bvh_restart_trail",
-                };
-                with_trail(definitions.text("WALK", walk), tree, options)
-            }
-        }
+        with_walk(definitions, self.tree, self.walk, self.stack_entries)
     }
 
     /// The kernel's WGSL.
@@ -193,12 +162,38 @@ impl Kernel {
     /// When the catalogue has no such row for a graphics adapter, or the walk is not [resolved](Tree::resolve). The
     /// test suite assembles every one that there is.
     pub fn source(&self, library: &ShaderLibrary) -> Result<String, AssemblyError> {
-        library.assemble("kernel/batch", &self.definitions())
+        library.assemble("kernel/rays", &self.definitions())
+    }
+}
+
+/// The file of the walk, and what it needs. A graphics adapter has no brute force and no recursion.
+pub(super) fn with_walk(definitions: Definitions, tree: Tree, walk: Walk, stack_entries: u32) -> Definitions {
+    match walk {
+        Walk::BruteForce | Walk::Recursive => definitions,
+        Walk::Stack(order) => {
+            let file = match (tree, order) {
+                (Tree::Wide(_), _) => "walk/walk_wide_bvh_stack",
+                (Tree::Binary, StackOrder::Ordered) => "walk/walk_bvh_stack",
+                (Tree::Binary, _) => "walk/walk_bvh_postponed",
+            };
+            definitions
+                .text("WALK", file)
+                .text("STACK_ENTRIES", stack_entries)
+                .flag("CULL", order != StackOrder::Unordered)
+                .flag("SORT", order == StackOrder::Sorted)
+        }
+        Walk::RestartTrail(options) => {
+            let file = match tree {
+                Tree::Binary => "walk/walk_bvh_restart_trail",
+                Tree::Wide(_) => "walk/walk_wide_bvh_restart_trail",
+            };
+            with_trail(definitions.text("WALK", file), tree, options)
+        }
     }
 }
 
 /// The files of the trail's bits and of its short stack.
-pub(super) fn with_trail(definitions: Definitions, tree: Tree, options: TrailOptions) -> Definitions {
+fn with_trail(definitions: Definitions, tree: Tree, options: TrailOptions) -> Definitions {
     let trail = match (tree, options.register) {
         (Tree::Binary, TrailRegister::U32) => Some("shared/trail_u32"),
         (Tree::Binary, TrailRegister::U64) => Some("shared/trail_u64"),

@@ -2,9 +2,8 @@
 
 use super::assembly::{AssemblyError, Definitions};
 use super::every::{stack_sizes, walks};
-use super::kernel::{Kernel, Tree, constants, with_trail, word};
+use super::kernel::{Kernel, Tree, constants, with_walk, word};
 use super::library::ShaderLibrary;
-use ropewalk::bvh::StackOrder;
 use ropewalk::point::{LARGEST_POINT, PointSearch, catalogue};
 use ropewalk::{DeviceKind, StructureKind, Walk};
 
@@ -82,20 +81,16 @@ impl PointKernel {
         };
         let definitions = constants()
             .text("LARGEST_POINT_BITS", word(LARGEST_POINT.to_bits()))
-            .text("POINT_COLLECT", collect)
-            .text("POINT_RESULT", result)
+            .text("SEEKER", "shared/seek_point")
+            .text("COLLECT", collect)
+            .text("RESULT", result)
             .text("NEAREST_ROOM", self.room)
             .flag("COUNTERS", self.counters);
-        match self.walk {
-            Walk::Stack(StackOrder::Ordered) => {
-                definitions.text("WALK", "walk/walk_point_stack").text("STACK_ENTRIES", self.stack_entries)
-            }
-            Walk::RestartTrail(options) => {
-                with_trail(definitions.text("WALK", "walk/walk_point_restart_trail"), Tree::Binary, options)
-            }
+        if !catalogue::is_offered(StructureKind::Bvh, self.walk, self.search, DeviceKind::Gpu) {
             // Without a walk the shader cannot be assembled, which is the right answer.
-            Walk::BruteForce | Walk::Recursive | Walk::Stack(_) => definitions,
+            return definitions;
         }
+        with_walk(definitions, Tree::Binary, self.walk, self.stack_entries)
     }
 
     /// The kernel's WGSL.
@@ -143,6 +138,13 @@ pub(crate) enum AnyKernel {
 }
 
 impl AnyKernel {
+    pub(crate) const fn walk(&self) -> Walk {
+        match self {
+            Self::Rays(kernel) => kernel.walk,
+            Self::Points(kernel) => kernel.walk,
+        }
+    }
+
     pub(crate) fn label(&self) -> String {
         match self {
             Self::Rays(kernel) => kernel.label(),
@@ -161,6 +163,7 @@ impl AnyKernel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ropewalk::bvh::StackOrder;
     use ropewalk::catalogue::TrailOptions;
     use std::collections::HashSet;
 

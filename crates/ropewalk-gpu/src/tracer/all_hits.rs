@@ -140,17 +140,10 @@ impl Lists {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shader::{STATUS_WRITTEN, Tree};
+    use crate::shader::STATUS_WRITTEN;
+    use crate::tracer::limits::tests::ALL;
     use ropewalk::glam::Vec3;
-    use ropewalk::{Query, Walk};
 
-    const ALL: Kernel = Kernel {
-        tree: Tree::Binary,
-        walk: Walk::Recursive,
-        query: Query::All,
-        counters: false,
-        stack_entries: 8,
-    };
     const LIMITS: TileLimits = TileLimits { rays: 2, result_bytes: 1 << 20 };
 
     fn hit(t: f32, primitive: u32) -> [u32; 8] {

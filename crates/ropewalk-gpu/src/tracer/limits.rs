@@ -76,12 +76,12 @@ impl TileLimits {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::shader::Tree;
     use ropewalk::{Query, Walk};
 
-    const ALL: Kernel = Kernel {
+    pub(in crate::tracer) const ALL: Kernel = Kernel {
         tree: Tree::Binary,
         walk: Walk::Recursive,
         query: Query::All,

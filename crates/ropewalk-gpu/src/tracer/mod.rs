@@ -136,11 +136,20 @@ impl Tracer {
         options: TraceOptions,
     ) -> Result<GpuTraced, GpuError> {
         catalogue::check(structure.shape().tree.kind(), walk, query, DeviceKind::Gpu)?;
+        self.with_own(structure, || self.trace_batch(structure, walk, query, rays, options))
+    }
+
+    /// Works with a structure, which must be on this device, and explains what fails.
+    fn with_own<T>(
+        &self,
+        structure: &GpuStructure,
+        work: impl FnOnce() -> Result<T, GpuError>,
+    ) -> Result<T, GpuError> {
         let gpu = &self.inner.gpu;
         if !gpu.is_same(structure.gpu()) {
             return Err(GpuError::OtherDevice);
         }
-        self.trace_batch(structure, walk, query, rays, options).map_err(|error| gpu.explain(error))
+        work().map_err(|error| gpu.explain(error))
     }
 
     fn trace_batch(
@@ -161,7 +170,8 @@ impl Tracer {
             counters: options.counters,
             stack_entries: self.stack_entries(structure, walk),
         };
-        let run = Run::new(&self.inner, structure, kernel)?;
+        let record_words = kernel.ray_words().max(kernel.result_words());
+        let run = Run::new(&self.inner, structure, AnyKernel::Rays(kernel), record_words)?;
         let mut results = Results::new(kernel, rays.len());
         let parts = rays.chunks(run.limits.rays);
         if !through_lists {
@@ -208,13 +218,19 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new(inner: &'a Inner, structure: &'a GpuStructure, kernel: Kernel) -> Result<Self, GpuError> {
+    /// Of a kernel for which a record has at most so many words, whether it is read or written.
+    fn new(
+        inner: &'a Inner,
+        structure: &'a GpuStructure,
+        kernel: AnyKernel,
+        record_words: usize,
+    ) -> Result<Self, GpuError> {
         let Inner { gpu, options, pipelines, .. } = inner;
-        let record_words = kernel.ray_words().max(kernel.result_words());
+        let shape = structure.shape();
         let uniform = BatchUniform {
-            ray_count: 0,
-            node_count: structure.shape().node_count,
-            step_budget: options.step_budget.unwrap_or_else(|| structure.shape().step_budget(kernel.walk)),
+            count: 0,
+            node_count: shape.node_count,
+            step_budget: options.step_budget.unwrap_or_else(|| shape.step_budget(kernel.walk())),
             infinity: f32::INFINITY,
             k: 0,
             slack_share: 0.0,
@@ -222,7 +238,7 @@ impl<'a> Run<'a> {
         Ok(Self {
             inner,
             structure,
-            pipeline: pipelines.get(gpu, AnyKernel::Rays(kernel))?,
+            pipeline: pipelines.get(gpu, kernel)?,
             uniform,
             limits: TileLimits::new(gpu, record_words, options.tile_rays)?,
         })
@@ -241,7 +257,7 @@ impl<'a> Run<'a> {
             let next = if under_way.len() < TILES_UNDER_WAY { jobs.next() } else { None };
             if let Some(job) = next {
                 let buffers = self.inner.take_buffers();
-                let uniform = BatchUniform { ray_count: job.ray_count, ..self.uniform };
+                let uniform = BatchUniform { count: job.ray_count, ..self.uniform };
                 let layout = pipelines.batch_layout();
                 under_way.push_back(Tile::submit(
                     gpu,

@@ -16,11 +16,11 @@ pub(super) const TIMESTAMP_BYTES: u64 = 16;
 /// machine swaps; the bound only keeps a broken driver from hanging the program.
 const NEWS_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// The numbers of a batch, `Batch` in `kernel/batch.wgsl` and `kernel/points.wgsl`; the first does without the last two.
+/// The numbers of a batch, `Batch` in `kernel/batch.wgsl`. The last two are for point queries.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(super) struct BatchUniform {
-    pub(super) ray_count: u32,
+    pub(super) count: u32,
     pub(super) node_count: u32,
     pub(super) step_budget: u32,
     pub(super) infinity: f32,

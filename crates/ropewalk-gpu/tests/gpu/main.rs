@@ -7,6 +7,7 @@ mod all_hits;
 mod broken;
 mod compare;
 mod conformance;
+mod damage;
 mod errors;
 mod machine;
 mod points;

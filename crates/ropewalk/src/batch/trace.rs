@@ -8,7 +8,7 @@ use crate::parallel::{fill_chunks, map_chunks};
 use crate::{Counters, Hit, NoProbe, PreparedRay, Probe, Query, Ray, Status};
 
 /// Rays that a thread takes at a time: long enough to hide the hand-over, short enough to share the work.
-pub(crate) const CHUNK: usize = 1024;
+const CHUNK: usize = 1024;
 
 /// A structure together with the way to walk it.
 pub(crate) trait Traversal: Sync {
@@ -28,6 +28,16 @@ pub(crate) trait Traversal: Sync {
                 (summary.answer(), probe)
             }
         }
+    }
+
+    /// How many hits a ray has in its window, each triangle's once; 0 where the ray is not valid.
+    fn count(&self, ray: &Ray) -> u32 {
+        if self.has_repeats() {
+            let mut hits = Vec::new();
+            self.append_all(ray, &mut hits, NoProbe);
+            return hits.len() as u32;
+        }
+        self.summary::<HitCount, NoProbe>(ray).0
     }
 
     /// Appends every hit of a ray, each triangle's once, sorted by `t`, ties by id.
@@ -82,38 +92,53 @@ pub(crate) trait Traversal: Sync {
     /// The small answers of many rays.
     fn each<S: Summary, P: Probe + Copy + Default + Send>(&self, rays: &[Ray]) -> (Vec<S::Answer>, Vec<P>) {
         let mut records = vec![(S::Answer::default(), P::default()); rays.len()];
-        fill_chunks(&mut records, CHUNK, |first, part| {
-            for (record, ray) in part.iter_mut().zip(&rays[first..]) {
-                *record = self.summary::<S, P>(ray);
-            }
-        });
+        answer_each(rays, &mut records, |ray| self.summary::<S, P>(ray));
         records.into_iter().unzip()
     }
 
     /// Every hit of many rays.
     fn lists<P: Probe + Copy + Default + Send>(&self, rays: &[Ray]) -> (HitLists, Vec<P>) {
-        let parts = map_chunks(rays, CHUNK, |_, rays| {
-            let (mut all, mut lens, mut probes) = (Vec::new(), Vec::new(), Vec::new());
-            for ray in rays {
-                let first = all.len();
-                probes.push(self.append_all(ray, &mut all, P::default()));
-                lens.push(all.len() - first);
-            }
-            (all, lens, probes)
-        });
-        let mut lists = HitLists { offsets: vec![0], hits: Vec::new() };
-        let mut probes = Vec::with_capacity(rays.len());
-        let mut end = 0;
-        for (hits, lens, counted) in parts {
-            lists.hits.extend(hits);
-            lists.offsets.extend(lens.into_iter().map(|len| {
-                end += len as u64;
-                end
-            }));
-            probes.extend(counted);
-        }
-        (lists, probes)
+        let (offsets, hits, probes) = gather(rays, |ray, hits| self.append_all(ray, hits, P::default()));
+        (HitLists { offsets, hits }, probes)
     }
+}
+
+/// Answers each of many questions, into `answers`. Only the first `min(questions.len(), answers.len())` are answered.
+pub(crate) fn answer_each<Q: Sync, A: Send>(
+    questions: &[Q],
+    answers: &mut [A],
+    answer: impl Fn(&Q) -> A + Sync,
+) {
+    let len = questions.len().min(answers.len());
+    fill_chunks(&mut answers[..len], CHUNK, |first, part| {
+        for (slot, question) in part.iter_mut().zip(&questions[first..]) {
+            *slot = answer(question);
+        }
+    });
+}
+
+/// Gathers the lists of many questions, one after the other: `append` adds a question's answers. Gives back where each
+/// list begins, with the end of the last, all answers, and what `append` returned.
+pub(crate) fn gather<Q: Sync, A: Send, R: Send>(
+    questions: &[Q],
+    append: impl Fn(&Q, &mut Vec<A>) -> R + Sync,
+) -> (Vec<u64>, Vec<A>, Vec<R>) {
+    let parts = map_chunks(questions, CHUNK, |_, questions| {
+        let (mut answers, mut ends, mut returned) = (Vec::new(), Vec::new(), Vec::new());
+        for question in questions {
+            returned.push(append(question, &mut answers));
+            ends.push(answers.len() as u64);
+        }
+        (answers, ends, returned)
+    });
+    let (mut offsets, mut all, mut all_returned) = (vec![0], Vec::new(), Vec::new());
+    for (answers, ends, returned) in parts {
+        let before = all.len() as u64;
+        offsets.extend(ends.into_iter().map(|end| before + end));
+        all.extend(answers);
+        all_returned.extend(returned);
+    }
+    (offsets, all, all_returned)
 }
 
 /// Sorts the hits of one ray, those from `first` on, by `t`, ties by id; where the structure

@@ -2,7 +2,9 @@
 
 use super::spec::{Spec, Written, number, pick, unknown};
 use crate::bvh::StackOrder;
-use crate::error::CatalogueError;
+use crate::bvh::walk::{Trail, TrailU32, TrailU64};
+use crate::error::{CatalogueError, TraceError};
+use crate::wide_bvh::walk as wide;
 use std::fmt;
 use std::str::FromStr;
 
@@ -76,24 +78,34 @@ impl TrailOptions {
     /// The most entries of a short stack.
     pub const MAX_SHORT_STACK: u32 = 16;
 
-    /// The register that serves a binary tree whose deepest leaf has this depth, where none is prescribed.
-    #[must_use]
-    pub const fn register_for(self, depth: u32) -> TrailRegister {
-        match self.register {
-            TrailRegister::Auto if depth <= 31 => TrailRegister::U32,
-            TrailRegister::Auto if depth <= 63 => TrailRegister::U64,
-            TrailRegister::Auto => TrailRegister::Array,
-            prescribed => prescribed,
-        }
+    /// The register for a binary tree whose deepest leaf has this depth: the prescribed one, or the smallest that
+    /// serves.
+    ///
+    /// # Errors
+    /// When the prescribed one is too small.
+    pub fn register_for(self, depth: u32) -> Result<TrailRegister, TraceError> {
+        self.choose(depth, &[(TrailRegister::U32, TrailU32::LEVELS), (TrailRegister::U64, TrailU64::LEVELS)])
     }
 
-    /// The register that serves a wide tree of this many levels of inner nodes, where none is prescribed.
-    #[must_use]
-    pub const fn wide_register_for(self, levels: u32) -> TrailRegister {
-        match self.register {
-            TrailRegister::Auto if levels <= 16 => TrailRegister::U64,
-            TrailRegister::Auto => TrailRegister::Array,
-            prescribed => prescribed,
+    /// The register for a wide tree of this many levels of inner nodes: the prescribed one, or the smallest that
+    /// serves.
+    ///
+    /// # Errors
+    /// When the prescribed one is too small.
+    pub fn wide_register_for(self, levels: u32) -> Result<TrailRegister, TraceError> {
+        self.choose(levels, &[(TrailRegister::U64, <wide::TrailU64 as wide::Trail>::LEVELS)])
+    }
+
+    /// Chooses among the registers with a limit, the smallest first. The array has none.
+    fn choose(self, depth: u32, registers: &[(TrailRegister, u32)]) -> Result<TrailRegister, TraceError> {
+        let mut registers = registers.iter().copied();
+        if self.register == TrailRegister::Auto {
+            let smallest = registers.find(|&(_, limit)| depth <= limit);
+            return Ok(smallest.map_or(TrailRegister::Array, |(register, _)| register));
+        }
+        match registers.find(|&(register, limit)| register == self.register && depth > limit) {
+            Some((_, limit)) => Err(TraceError::too_deep(Walk::RestartTrail(self), depth, limit)),
+            None => Ok(self.register),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Closest points: which triangle is nearest to a point, which k are, and on which side of a closed surface it lies.
 //!
-//! Point queries go through the same binary trees as rays ([`crate::Bvh`]), with a stack or with the restart trail, of
-//! which "closest-point and kNN searches" are the second piece of future work (Laine 2010). What a ray does with the
-//! entry of a box, a point does with the distance to it.
+//! Point queries go through the same binary trees as rays ([`crate::Bvh`]) by the same walks ([`crate::bvh::walk`]),
+//! with a stack or with the restart trail, of which "closest-point and kNN searches" are the second piece of future work
+//! (Laine 2010). What the entry of a box is to a ray, the squared distance to it is to a point.
 //!
 //! | file | what |
 //! |---|---|
@@ -12,7 +12,6 @@
 //! | `foot` | the nearest point of a triangle, in f32 for the walks and in f64 for the sign |
 //! | `triangle` | a flattened triangle's answer to a query |
 //! | `collect`, `visitor` | what is kept of what a walk meets |
-//! | `walk` | brute force, stack, restart trail |
 //! | `catalogue` | which walk answers which search |
 //! | `single`, `batch` | the methods of [`crate::Bvh`] |
 //! | `signed` | [`SignedDistance`]: inside and outside of a closed surface |
@@ -39,7 +38,6 @@ mod signed;
 mod single;
 mod triangle;
 mod visitor;
-pub mod walk;
 
 pub use answer::{ClosestPoint, NearestLists, PointAnswers};
 pub use catalogue::PointSearch;

@@ -1,7 +1,7 @@
 //! One query at a time, with the best walk there is for it.
 
-use super::walk::{PointStack, PointWalk};
 use super::{ClosestPoint, CollectPoints, KeepClosest, KeepNearest, PointQuery, PointVisitor, PreparedPoint};
+use crate::bvh::walk::{BvhWalk, Ordered};
 use crate::{Bvh, NoProbe, Probe};
 
 impl Bvh {
@@ -18,19 +18,19 @@ impl Bvh {
     /// ```
     #[must_use]
     pub fn closest_point(&self, query: &PointQuery) -> ClosestPoint {
-        self.closest_point_by(PointStack, query, NoProbe).0
+        self.closest_point_by(Ordered, query, NoProbe).0
     }
 
     /// Replaces `points` by the nearest point of each of the `k` nearest triangles within the radius, sorted by
     /// distance, ties by id. Fewer where there are no more; none where the query is not valid.
     pub fn nearest(&self, query: &PointQuery, k: usize, points: &mut Vec<ClosestPoint>) {
         points.clear();
-        self.append_nearest_by(PointStack, query, k, points, NoProbe);
+        self.append_nearest_by(Ordered, query, k, points, NoProbe);
     }
 
     /// Leads a query through the structure by a walk, and gives back what was collected and counted.
     #[inline(always)]
-    pub fn visit_point<W: PointWalk, C: CollectPoints, P: Probe>(
+    pub fn visit_point<W: BvhWalk<PreparedPoint>, C: CollectPoints, P: Probe>(
         &self,
         walk: W,
         point: &PreparedPoint,
@@ -43,7 +43,7 @@ impl Bvh {
     }
 
     #[inline(always)]
-    pub(super) fn closest_point_by<W: PointWalk, P: Probe>(
+    pub(super) fn closest_point_by<W: BvhWalk<PreparedPoint>, P: Probe>(
         &self,
         walk: W,
         query: &PointQuery,
@@ -55,7 +55,7 @@ impl Bvh {
     }
 
     #[inline(always)]
-    pub(super) fn append_nearest_by<W: PointWalk, P: Probe>(
+    pub(super) fn append_nearest_by<W: BvhWalk<PreparedPoint>, P: Probe>(
         &self,
         walk: W,
         query: &PointQuery,

@@ -1,6 +1,6 @@
 //! What a point walk meets on its way.
 //!
-//! **The slack of spatial splits.** A leaf's clipped box holds a part of its triangle, so a triangle may come out
+//! **The slack of spatial splits.** A leaf's box holds a part of its triangle, so a triangle may come out
 //! nearer than the box in which its nearest point lies, by the rounding of the foot: its offset from the point is a
 //! sum of a corner and two weighted edges, each with a relative error of a few 2^-24, of which none is longer than
 //! twice the distance `m` from the point to the farthest corner of everything. All in all less than `48 m 2^-24`. The

@@ -192,6 +192,21 @@ fn trees_and_batches_agree() {
     }
 }
 
+/// Of a surface that is inside out, all the space around is inside, near and far.
+#[test]
+fn a_surface_that_is_inside_out_contains_what_is_around() {
+    let bvh = build(inside_out(spikes()));
+    let solid = SignedDistance::new(&bvh).unwrap();
+    assert!(solid.volume() < 0.0);
+    let mut inside = 0;
+    for query in around(&bvh.bounds(), 2000, 5) {
+        assert_eq!(solid.contains(query.point), solid.distance(query.point) <= 0.0, "{query:?}");
+        inside += u32::from(solid.contains(query.point));
+    }
+    assert!(inside > 1000, "{inside} of 2000 points");
+    assert!(solid.contains(Vec3::splat(1e6)) && !solid.contains(Vec3::NAN));
+}
+
 #[test]
 fn the_surface_is_inside_and_at_no_distance() {
     let (low, high) = (Vec3::new(-1.0, -2.0, 0.5), Vec3::new(1.5, 0.25, 3.0));

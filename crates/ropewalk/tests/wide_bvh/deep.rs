@@ -1,6 +1,6 @@
 //! The deepest wide trees there can be, and the most that a stack can be asked for.
 
-use crate::recorder::{Record, Shorten};
+use crate::recorder::{Shorten, record};
 use crate::scenes::across;
 use glam::Vec3;
 use ropewalk::bvh::Node;
@@ -63,10 +63,10 @@ fn the_deepest_tree_is_walked_with_every_stack() {
                 let counted = given.counters.unwrap()[0];
                 assert_eq!(counted.leaf_visits, counters.leaf_visits);
             }
-            let full = Record::of(&bvh, Ordered, &ray, Shorten::Hits);
-            let trail = Record::of(&bvh, RestartTrail::<ArrayTrail, 512>::new(512), &ray, Shorten::Hits);
+            let full = record(&bvh, Ordered, &ray, Shorten::Hits);
+            let trail = record(&bvh, RestartTrail::<ArrayTrail, 512>::new(512), &ray, Shorten::Hits);
             assert_eq!(trail, full);
-            assert_eq!(full.hit, Record::of(&bvh, BruteForce, &ray, Shorten::Hits).hit);
+            assert_eq!(full.0, record(&bvh, BruteForce, &ray, Shorten::Hits).0);
         }
     }
 }
@@ -88,8 +88,8 @@ fn a_register_that_is_too_small_is_refused_or_replaced() {
             assert_eq!(trace(TrailRegister::U64), Err(expected));
         }
         // Asked for by name of the type, it makes way for the array.
-        let full = Record::of(&bvh, Ordered, &ray(Vec3::X), Shorten::Hits);
+        let full = record(&bvh, Ordered, &ray(Vec3::X), Shorten::Hits);
         let trail = RestartTrail::<TrailU64, 512>::new(512);
-        assert_eq!(Record::of(&bvh, trail, &ray(Vec3::X), Shorten::Hits), full, "{levels}");
+        assert_eq!(record(&bvh, trail, &ray(Vec3::X), Shorten::Hits), full, "{levels}");
     }
 }

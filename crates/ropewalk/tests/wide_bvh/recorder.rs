@@ -1,19 +1,10 @@
-//! A visitor that writes down what a walk does.
+//! What a walk of a wide tree does, event by event, with rays that get shorter in several ways.
 
-use ropewalk::bvh::walk::{ClosestHit, Collect, Summary, Visitor};
+use ropewalk::bvh::walk::{ClosestHit, Summary, TriangleVisitor, Visitor};
 use ropewalk::wide_bvh::walk::WideWalk;
-use ropewalk::{FlatTriangle, Hit, PreparedRay, WideBvh};
+use ropewalk::{NoProbe, PreparedRay, WideBvh};
+use ropewalk_testkit::recorder::{Events, Recorder};
 use std::ops::ControlFlow;
-
-/// What a walk does.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Event {
-    Inner(u32),
-    Leaf(u32),
-    /// The stack after a push.
-    Depth(usize),
-    Restart,
-}
 
 /// How a ray gets shorter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,105 +16,58 @@ pub(crate) enum Shorten {
     EachLeaf(f32),
 }
 
-/// Records events, tests triangles, and stops a walk that does not end.
-struct Recorder<'a> {
-    triangles: &'a [FlatTriangle],
-    ray: &'a PreparedRay,
-    closest: ClosestHit,
+/// Limits what a visitor is interested in.
+struct Shortened<V> {
+    visitor: V,
     limit: f32,
     shorten: Shorten,
-    events: Vec<Event>,
 }
 
-/// More than any walk of these tests takes.
-const ENOUGH: usize = 20_000;
-
-impl Visitor for Recorder<'_> {
+impl<V: Visitor> Visitor for Shortened<V> {
     fn t_max(&self) -> f32 {
-        // A ray that ends before it begins hits no box: what a walk that does not end comes to at its next restart.
-        if self.events.len() > ENOUGH { f32::NEG_INFINITY } else { self.limit.min(self.closest.t_max()) }
+        self.limit.min(self.visitor.t_max())
     }
 
     fn inner_visit(&mut self, node: u32) {
-        self.events.push(Event::Inner(node));
+        self.visitor.inner_visit(node);
     }
 
     fn stack_depth(&mut self, entries: usize) {
-        self.events.push(Event::Depth(entries));
+        self.visitor.stack_depth(entries);
     }
 
     fn restart(&mut self) {
-        self.events.push(Event::Restart);
+        self.visitor.restart();
     }
 
     fn leaf(&mut self, first: u32, count: u32) -> ControlFlow<()> {
-        self.events.push(Event::Leaf(first));
-        for triangle in &self.triangles[first as usize..][..count as usize] {
-            if let Some(hit) = triangle.intersect(self.ray, self.closest.t_max()) {
-                self.closest.offer(hit)?;
-            }
-        }
+        self.visitor.leaf(first, count)?;
         if let Shorten::EachLeaf(factor) = self.shorten {
             self.limit *= factor;
         }
-        if self.events.len() > ENOUGH { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        ControlFlow::Continue(())
     }
 }
 
-/// What a walk did, and what it found.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Record {
-    pub(crate) hit: Hit,
-    pub(crate) events: Vec<Event>,
-}
-
-impl Record {
-    pub(crate) fn of<W: WideWalk>(bvh: &WideBvh, walk: W, ray: &PreparedRay, shorten: Shorten) -> Self {
-        let far = bvh.bounds().size().length() * 3.0;
-        let mut recorder = Recorder {
+/// The words of the closest hit, and what happened on the way to it.
+pub(crate) fn record<W: WideWalk>(
+    bvh: &WideBvh,
+    walk: W,
+    ray: &PreparedRay,
+    shorten: Shorten,
+) -> ([u32; 7], Events) {
+    let far = bvh.bounds().size().length() * 3.0;
+    let mut recorder = Recorder::new(Shortened {
+        visitor: TriangleVisitor {
             triangles: bvh.triangles(),
             ray,
-            closest: ClosestHit::new(ray),
-            limit: if shorten == Shorten::Hits { f32::INFINITY } else { far },
-            shorten,
-            events: Vec::new(),
-        };
-        bvh.lead(walk, ray, &mut recorder);
-        Self { hit: recorder.closest.answer(), events: recorder.events }
-    }
-
-    pub(crate) fn ends(&self) -> bool {
-        self.events.len() <= ENOUGH
-    }
-
-    pub(crate) fn inner_visits(&self) -> usize {
-        self.events.iter().filter(|event| matches!(event, Event::Inner(_))).count()
-    }
-
-    pub(crate) fn restarts(&self) -> usize {
-        self.events.iter().filter(|&&event| event == Event::Restart).count()
-    }
-
-    /// The leaves, in the order in which they were entered.
-    pub(crate) fn leaves(&self) -> Vec<u32> {
-        let leaf = |event: &Event| if let Event::Leaf(first) = event { Some(*first) } else { None };
-        self.events.iter().filter_map(leaf).collect()
-    }
-
-    /// The nodes and leaves, each inner node at its first visit only.
-    pub(crate) fn first_visits(&self) -> Vec<Event> {
-        let mut seen = std::collections::HashSet::new();
-        let is_new = |event: &&Event| match event {
-            Event::Inner(node) => seen.insert(*node),
-            Event::Leaf(_) => true,
-            Event::Depth(_) | Event::Restart => false,
-        };
-        self.events.iter().filter(is_new).copied().collect()
-    }
-
-    pub(crate) fn enters_a_leaf_twice(&self) -> bool {
-        let mut leaves = self.leaves();
-        leaves.sort_unstable();
-        leaves.windows(2).any(|pair| pair[0] == pair[1])
-    }
+            collect: ClosestHit::new(ray),
+            probe: NoProbe,
+        },
+        limit: if shorten == Shorten::Hits { f32::INFINITY } else { far },
+        shorten,
+    });
+    bvh.lead(walk, ray, &mut recorder);
+    let (Shortened { visitor, .. }, events) = recorder.finish();
+    (visitor.collect.answer().to_words(), events)
 }

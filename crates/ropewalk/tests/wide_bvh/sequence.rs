@@ -1,24 +1,13 @@
 //! The restart trail does what the full stack does, in its order: equal hits alone would not show that.
 
-use crate::recorder::{Event, Record, Shorten};
+use crate::recorder::{Shorten, record};
 use crate::scenes::{builds, collapsed, rays, scenes};
 use ropewalk::wide_bvh::walk::{ArrayTrail, Ordered, RestartTrail, Trail, TrailU64};
 use ropewalk::{PreparedRay, WideBvh};
+use ropewalk_testkit::recorder::{Event, Events, Fault};
 
 /// Entries that no tree of these tests asks for: nothing is ever dropped.
 pub(crate) const UNLIMITED: usize = 512;
-
-/// Kinds of fault, each found by a comparison of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Fault {
-    DoesNotEnd,
-    AnotherHit,
-    LeafTwice,
-    /// Other leaves or nodes than the full stack's, or in another order.
-    AnotherOrder,
-    /// With a stack that drops nothing, anything but the events of the full stack.
-    NotTheFullStack,
-}
 
 /// What is wrong with the walk of a trail with a stack of `short_stack` entries.
 pub(crate) fn faults<T: Trail>(
@@ -27,21 +16,9 @@ pub(crate) fn faults<T: Trail>(
     ray: &PreparedRay,
     shorten: Shorten,
 ) -> Vec<Fault> {
-    let full = Record::of(bvh, Ordered, ray, shorten);
+    let full = record(bvh, Ordered, ray, shorten);
     let walk = RestartTrail::<T, UNLIMITED>::new(short_stack as u32);
-    let record = Record::of(bvh, walk, ray, shorten);
-    let mut faults = Vec::new();
-    let mut note = |fault, is_there| {
-        if is_there {
-            faults.push(fault);
-        }
-    };
-    note(Fault::DoesNotEnd, !record.ends());
-    note(Fault::AnotherHit, record.hit.to_words() != full.hit.to_words());
-    note(Fault::LeafTwice, record.enters_a_leaf_twice());
-    note(Fault::AnotherOrder, record.first_visits() != full.first_visits());
-    note(Fault::NotTheFullStack, short_stack == UNLIMITED && record != full);
-    faults
+    Events::faults(&full, &record(bvh, walk, ray, shorten), short_stack == UNLIMITED)
 }
 
 const SHORTEN: [Shorten; 3] = [Shorten::Hits, Shorten::EachLeaf(0.9), Shorten::EachLeaf(0.6)];
@@ -63,15 +40,15 @@ fn an_unlimited_short_stack_makes_the_visits_of_the_full_stack() {
     each_tree(|name, bvh, rays| {
         for (index, ray) in rays.iter().enumerate() {
             for shorten in SHORTEN {
-                let full = Record::of(bvh, Ordered, ray, shorten);
-                assert_eq!(full.restarts(), 0);
-                let trail = Record::of(bvh, RestartTrail::<ArrayTrail, UNLIMITED>::new(512), ray, shorten);
+                let full = record(bvh, Ordered, ray, shorten);
+                assert_eq!(full.1.restarts(), 0);
+                let trail = record(bvh, RestartTrail::<ArrayTrail, UNLIMITED>::new(512), ray, shorten);
                 assert_eq!(trail, full, "{name}, ray {index}, {shorten:?}");
                 if bvh.report().depth <= TrailU64::LEVELS {
-                    let trail = Record::of(bvh, RestartTrail::<TrailU64, UNLIMITED>::new(512), ray, shorten);
+                    let trail = record(bvh, RestartTrail::<TrailU64, UNLIMITED>::new(512), ray, shorten);
                     assert_eq!(trail, full, "{name}, ray {index}, {shorten:?}");
                 }
-                pushes += full.events.iter().filter(|event| matches!(event, Event::Depth(_))).count();
+                pushes += full.1.0.iter().filter(|event| matches!(event, Event::Depth(_))).count();
             }
         }
     });
@@ -100,9 +77,9 @@ fn every_short_stack_enters_the_leaves_of_the_full_stack() {
         let mut before = usize::MAX;
         for (short_stack, restarts) in restarts.iter_mut().enumerate() {
             let walk = RestartTrail::<ArrayTrail>::new(short_stack as u32);
-            let records = rays.iter().map(|ray| Record::of(bvh, walk, ray, Shorten::Hits));
-            let (visits, again) = records.fold((0, 0), |(visits, again), record| {
-                (visits + record.inner_visits(), again + record.restarts())
+            let events = rays.iter().map(|ray| record(bvh, walk, ray, Shorten::Hits).1);
+            let (visits, again) = events.fold((0, 0), |(visits, again), events| {
+                (visits + events.inner_visits(), again + events.restarts())
             });
             assert!(visits <= before, "{name}: {visits} visits with {short_stack} entries, {before} before");
             before = visits;

@@ -1,6 +1,6 @@
 //! Point queries on a device: closest points and k nearest triangles, in tiles like rays.
 //!
-//! The walks are the twins of those in [`ropewalk::point::walk`]. What a query has found while it walks is two words a
+//! The walks are the twins of those in [`ropewalk::bvh::walk`]. What a query has found while it walks is two words a
 //! triangle; the rest of the answer is worked out at its end.
 //!
 //! **Limits.** A query's list of the nearest lies in the memory of its invocation, so `k` is bounded by the largest
@@ -8,8 +8,8 @@
 
 mod results;
 
-use super::limits::{HIT_BYTES, TileLimits};
-use super::tile::{BatchUniform, Job};
+use super::limits::HIT_BYTES;
+use super::tile::Job;
 use super::{GpuStructure, Run, Tracer};
 use crate::GpuError;
 use crate::shader::{AnyKernel, PointKernel};
@@ -80,62 +80,39 @@ impl Tracer {
         queries: &[PointQuery],
         options: TraceOptions,
     ) -> Result<(Results, Option<Duration>), GpuError> {
-        catalogue::check(structure.shape().tree.kind(), walk, question.search, DeviceKind::Gpu)?;
-        let gpu = &self.inner.gpu;
-        if !gpu.is_same(structure.gpu()) {
-            return Err(GpuError::OtherDevice);
-        }
-        self.search_batch(structure, walk, question, queries, options).map_err(|error| gpu.explain(error))
-    }
-
-    fn search_batch(
-        &self,
-        structure: &GpuStructure,
-        walk: Walk,
-        question: Question,
-        queries: &[PointQuery],
-        options: TraceOptions,
-    ) -> Result<(Results, Option<Duration>), GpuError> {
         let Question { search, k, room } = question;
         let shape = structure.shape();
-        let kernel = PointKernel {
-            walk: shape.tree.resolve(walk, shape.depth)?,
-            search,
-            room,
-            counters: options.counters,
-            stack_entries: self.stack_entries(structure, walk),
-        };
-        let inner = &*self.inner;
-        let result_words = kernel.result_words(k as usize);
-        let run = Run {
-            inner,
-            structure,
-            pipeline: inner.pipelines.get(&inner.gpu, AnyKernel::Points(kernel))?,
-            uniform: BatchUniform {
-                ray_count: 0,
+        catalogue::check(shape.tree.kind(), walk, search, DeviceKind::Gpu)?;
+        self.with_own(structure, || {
+            let kernel = PointKernel {
+                walk: shape.tree.resolve(walk, shape.depth)?,
+                search,
+                room,
+                counters: options.counters,
+                stack_entries: self.stack_entries(structure, walk),
+            };
+            let result_words = kernel.result_words(k as usize);
+            let record_words = PointKernel::QUERY_WORDS.max(result_words);
+            let mut run = Run::new(&self.inner, structure, AnyKernel::Points(kernel), record_words)?;
+            run.uniform.k = k;
+            if k == 0 {
                 // Of none, nothing is asked of the tree.
-                node_count: if k == 0 { 0 } else { shape.node_count },
-                step_budget: inner.options.step_budget.unwrap_or_else(|| shape.step_budget(kernel.walk)),
-                infinity: f32::INFINITY,
-                k,
-                slack_share: if shape.has_repeats { SLACK_SHARE } else { 0.0 },
-            },
-            limits: TileLimits::new(
-                &inner.gpu,
-                PointKernel::QUERY_WORDS.max(result_words),
-                inner.options.tile_rays,
-            )?,
-        };
-        // Lists are long: a tile has no more of them than an all-hits tile has hits.
-        let tile = run.limits.rays.min(HIT_BYTES as usize / size_of::<u32>() / result_words);
-        let mut results = Results::new(kernel, k as usize, queries.len());
-        let jobs = queries.chunks(tile).map(|part| Job {
-            rays: Cow::Borrowed(bytemuck::cast_slice(part)),
-            ray_count: part.len() as u32,
-            result_words: part.len() * result_words,
-        });
-        let device_time = run.trace(jobs, |words| results.append(words))?;
-        Ok((results, device_time))
+                run.uniform.node_count = 0;
+            }
+            if shape.has_repeats {
+                run.uniform.slack_share = SLACK_SHARE;
+            }
+            // Lists are long: a tile has no more of them than an all-hits tile has hits.
+            let tile = run.limits.rays.min(HIT_BYTES as usize / size_of::<u32>() / result_words);
+            let mut results = Results::new(kernel, k as usize, queries.len());
+            let jobs = queries.chunks(tile).map(|part| Job {
+                rays: Cow::Borrowed(bytemuck::cast_slice(part)),
+                ray_count: part.len() as u32,
+                result_words: part.len() * result_words,
+            });
+            let device_time = run.trace(jobs, |words| results.append(words))?;
+            Ok((results, device_time))
+        })
     }
 }
 

@@ -2,15 +2,12 @@
 
 use super::compare::{Agreement, compare_closest, compare_nearest};
 use super::{COUNTED, asked, bvh};
-use crate::machine::on_every_adapter;
+use crate::damage::{Damage, notice_each};
+use crate::machine::Machine;
 use crate::{scenes, trees};
 use ropewalk::bvh::Node;
-use ropewalk::{Bvh, FlatTriangle, PointQuery, Structure, Walk};
-use ropewalk_gpu::shader::ShaderLibrary;
-use ropewalk_gpu::{GpuStructure, Tracer, TracerOptions};
-
-/// A file, what stands in it, and what is put there instead.
-type Damage = (&'static str, &'static str, &'static str);
+use ropewalk::{Bvh, FlatTriangle, Structure, Walk};
+use ropewalk_gpu::GpuStructure;
 
 const SHARED: &[Damage] = &[
     ("shared/point_query", "all(size <= vec3<u32>(", "all(size < vec3<u32>("),
@@ -67,32 +64,35 @@ const SHARED: &[Damage] = &[
     ("shared/point_leaf", "sqrt(square), first + i", "sqrt(square), first"),
     ("shared/point_leaf", "probe_leaf_visit();", ""),
     ("shared/point_leaf", "probe_primitive_test();", ""),
-    ("shared/point_leaf", "square_b < square_a", "square_b <= square_a"),
-    ("shared/point_leaf", "square_b < square_a", "square_b > square_a"),
+    ("shared/seek_point", "high), limit)", "high), 0.0)"),
+    ("shared/seek_point", "return (*collect).reach", "return #{LARGEST_FLOAT}"),
     ("kernel/points", "var status = STATUS_INVALID_RAY", "var status = STATUS_COMPLETE"),
     ("kernel/points", "batch.slack_share > 0.0", "false"),
 ];
 
 const STACK: &[Damage] = &[
-    ("walk/walk_point_stack", ".entry <= (*collect).reach", ".entry < (*collect).reach"),
-    ("walk/walk_point_stack", ".near_square <= (*collect).reach", ".near_square < (*collect).reach"),
-    ("walk/walk_point_stack", ".far_square <= (*collect).reach", ".far_square < (*collect).reach"),
-    ("walk/walk_point_stack", "children.far, children.far_square", "children.far, children.near_square"),
-    ("walk/walk_point_stack", "probe_inner_visit();", ""),
-    ("walk/walk_point_stack", "probe_stack_depth(entries);", "probe_stack_depth(entries + 1u);"),
+    ("walk/walk_bvh_stack", "stack[entries].entry <=", "stack[entries].entry <"),
+    ("walk/walk_bvh_stack", "b.entry < a.entry", "b.entry <= a.entry"),
+    ("walk/walk_bvh_stack", "b.entry < a.entry", "b.entry > a.entry"),
+    ("walk/walk_bvh_stack", "let hit_a = is_hit(a);", "let hit_a = a.entry < a.exit;"),
+    ("walk/walk_bvh_stack", "let hit_b = is_hit(b);", "let hit_b = b.entry < b.exit;"),
+    ("walk/walk_bvh_stack", "select(b.entry, a.entry, go_second)", "select(a.entry, b.entry, go_second)"),
+    ("walk/walk_bvh_stack", "probe_inner_visit();", ""),
+    ("walk/walk_bvh_stack", "probe_stack_depth(entries);", "probe_stack_depth(entries + 1u);"),
 ];
 
 const TRAIL: &[Damage] = &[
-    ("walk/walk_point_restart_trail", "far.entry <= (*collect).reach", "far.entry < (*collect).reach"),
-    ("walk/walk_point_restart_trail", "far.entry <= (*collect).reach", "true"),
-    ("walk/walk_point_restart_trail", ".near_square <= (*collect).reach", ".near_square < (*collect).reach"),
-    ("walk/walk_point_restart_trail", ".far_square <= (*collect).reach", ".far_square < (*collect).reach"),
-    ("walk/walk_point_restart_trail", "else if is_pop_level(&trail)", "else if false"),
-    ("walk/walk_point_restart_trail", "set_single(&trail);", ""),
-    ("walk/walk_point_restart_trail", "if !go_far", "if true"),
-    ("walk/walk_point_restart_trail", "select(children.near, children.far, go_far)", "children.near"),
-    ("walk/walk_point_restart_trail", "probe_restart();", ""),
-    ("walk/walk_point_restart_trail", "probe_inner_visit();", ""),
+    ("walk/walk_bvh_restart_trail", "far.entry <= limit_of(collect)", "far.entry < limit_of(collect)"),
+    ("walk/walk_bvh_restart_trail", "far.entry <= limit_of(collect)", "true"),
+    ("walk/walk_bvh_restart_trail", "let hit_a = is_hit(a);", "let hit_a = a.entry < a.exit;"),
+    ("walk/walk_bvh_restart_trail", "let hit_b = is_hit(b);", "let hit_b = b.entry < b.exit;"),
+    ("walk/walk_bvh_restart_trail", "else if is_pop_level(&trail)", "else if false"),
+    ("walk/walk_bvh_restart_trail", "set_single(&trail);", ""),
+    ("walk/walk_bvh_restart_trail", "if !near_done {", "if true {"),
+    ("walk/walk_bvh_restart_trail", "second_is_near != near_done", "second_is_near"),
+    ("walk/walk_bvh_restart_trail", "select(first, second, go_second)", "first"),
+    ("walk/walk_bvh_restart_trail", "probe_restart();", ""),
+    ("walk/walk_bvh_restart_trail", "probe_inner_visit();", ""),
 ];
 
 #[test]
@@ -120,7 +120,9 @@ fn zeros() -> scenes::Case {
     scenes::Case { name: "negative zeros", structure: Structure::Bvh(bvh) }
 }
 
+/// Asks the cases with the sound shaders and with each damage.
 fn notice(walk: &str, damages: &[Damage]) {
+    let what = walk;
     let walk: Walk = walk.parse().unwrap();
     let cases: Vec<_> = trees::split()
         .into_iter()
@@ -135,39 +137,17 @@ fn notice(walk: &str, damages: &[Damage]) {
             (case, queries, closest, nearest)
         })
         .collect();
-    on_every_adapter(|machine| {
-        // Elsewhere rounding hides small damage, and the comparison is a looser one.
-        if !machine.is_exact() {
-            return;
-        }
-        let uploaded: Vec<GpuStructure> =
-            cases.iter().map(|(case, ..)| machine.trusted.upload(&case.structure).unwrap()).collect();
-        let mut unnoticed = Vec::new();
-        for &(file, sound, broken) in damages {
-            let library = ShaderLibrary::shipped();
-            let text = library.text(file).unwrap();
-            assert!(text.contains(sound), "'{sound}' stands no longer in {file}");
-            let text = text.replace(sound, broken);
-            let mut how = TracerOptions::default();
-            // One stack size for all scenes, so that each damage is compiled once; and a walk that has lost its way ends.
-            how.stack_entries = Some(64);
-            how.step_budget = Some(20_000);
-            let tracer = Tracer::with_library(machine.gpu().clone(), how, library.with(file, text));
-            let noticed = cases.iter().zip(&uploaded).any(|((_, queries, closest, nearest), uploaded)| {
-                let queries: &[PointQuery] = queries;
-                let gpu = tracer.closest_points(uploaded, walk, queries, COUNTED);
-                let gpu = gpu.unwrap_or_else(|error| panic!("{file}: '{broken}' does not run: {error}"));
-                if compare_closest(queries, closest, &gpu.answers, Agreement::Exact).is_err() {
-                    return true;
-                }
-                let gpu = tracer.nearest_points(uploaded, walk, 5, queries, COUNTED);
-                let gpu = gpu.unwrap_or_else(|error| panic!("{file}: '{broken}' does not run: {error}"));
-                compare_nearest(queries, nearest, &gpu.answers, Agreement::Exact).is_err()
+    let upload = |machine: &Machine| -> Vec<GpuStructure> {
+        cases.iter().map(|(case, ..)| machine.trusted.upload(&case.structure).unwrap()).collect()
+    };
+    notice_each(what, 64, damages, upload, |tracer, uploaded| {
+        cases.iter().zip(uploaded).find_map(|((case, queries, closest, nearest), uploaded)| {
+            let gpu = tracer.closest_points(uploaded, walk, queries, COUNTED).unwrap().answers;
+            let same = compare_closest(queries, closest, &gpu, Agreement::Exact).and_then(|()| {
+                let gpu = tracer.nearest_points(uploaded, walk, 5, queries, COUNTED).unwrap().answers;
+                compare_nearest(queries, nearest, &gpu, Agreement::Exact)
             });
-            if !noticed {
-                unnoticed.push(format!("{file}: '{broken}' for '{sound}'"));
-            }
-        }
-        assert!(unnoticed.is_empty(), "not noticed:\n{}", unnoticed.join("\n"));
+            same.err().map(|what| format!("{}: {what}", case.name))
+        })
     });
 }

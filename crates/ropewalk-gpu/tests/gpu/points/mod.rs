@@ -8,8 +8,7 @@ mod tiles;
 mod twins;
 
 use crate::scenes::Case;
-use ropewalk::catalogue::{StackMemory, TrailOptions};
-use ropewalk::{Bvh, PointQuery, Structure, TraceOptions, Walk};
+use ropewalk::{Bvh, PointQuery, Structure, TraceOptions};
 
 const COUNTED: TraceOptions = TraceOptions { counters: true };
 const PLAIN: TraceOptions = TraceOptions { counters: false };
@@ -19,16 +18,6 @@ fn bvh(structure: &Structure) -> &Bvh {
     match structure {
         Structure::Bvh(bvh) => bvh,
         other => panic!("'{}' answers no point queries", other.kind()),
-    }
-}
-
-/// The CPU's walk of the same words: it has no workgroup memory, and no answer depends on it.
-fn twin(walk: Walk) -> Walk {
-    match walk {
-        Walk::RestartTrail(options) => {
-            Walk::RestartTrail(TrailOptions { memory: StackMemory::Private, ..options })
-        }
-        other => other,
     }
 }
 

@@ -1,8 +1,9 @@
 //! Every row, every short stack and every register against the CPU's walk of the same name.
 
 use super::compare::{Agreement, compare_closest, compare_nearest};
-use super::{COUNTED, PLAIN, asked, bvh, twin};
+use super::{COUNTED, PLAIN, asked, bvh};
 use crate::machine::{Machine, on_every_adapter};
+use crate::trails::cpu_twin;
 use crate::{scenes, trees};
 use ropewalk::bvh::Builder;
 use ropewalk::catalogue::{StackMemory, TrailOptions, TrailRegister};
@@ -41,7 +42,7 @@ impl Asked<'_> {
     /// The closest points by a walk, on both devices. A walk that the tree is too deep for is refused by both.
     fn closest(&self, walk: Walk, queries: &[PointQuery], options: TraceOptions) {
         let gpu = self.tracer.closest_points(&self.uploaded, walk, queries, options);
-        let cpu = match self.bvh.closest_points(twin(walk), queries, options) {
+        let cpu = match self.bvh.closest_points(cpu_twin(walk), queries, options) {
             Ok(cpu) => cpu,
             Err(error) => return self.is_refused(walk, &error.to_string(), gpu.err()),
         };
@@ -59,7 +60,7 @@ impl Asked<'_> {
     /// The same for the nearest triangles.
     fn nearest(&self, walk: Walk, k: usize, queries: &[PointQuery], options: TraceOptions) {
         let gpu = self.tracer.nearest_points(&self.uploaded, walk, k, queries, options);
-        let cpu = match self.bvh.nearest_points(twin(walk), k, queries, options) {
+        let cpu = match self.bvh.nearest_points(cpu_twin(walk), k, queries, options) {
             Ok(cpu) => cpu,
             Err(error) => return self.is_refused(walk, &error.to_string(), gpu.err()),
         };
@@ -72,7 +73,7 @@ impl Asked<'_> {
     fn is_refused(&self, walk: Walk, cpu: &str, gpu: Option<GpuError>) {
         let gpu = gpu.map(|error| error.to_string()).unwrap_or_default();
         // They name their own walks.
-        let named = |text: &str| text.replace(&walk.to_string(), "").replace(&twin(walk).to_string(), "");
+        let named = |text: &str| text.replace(&walk.to_string(), "").replace(&cpu_twin(walk).to_string(), "");
         assert_eq!(named(cpu), named(&gpu), "{walk}, {}", self.name);
         assert!(cpu.contains("max-depth"), "{walk}, {}: {cpu}", self.name);
     }

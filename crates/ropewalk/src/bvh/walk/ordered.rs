@@ -2,24 +2,23 @@
 //! entered. The blog of 2022 stops short of the last two (ALGORITHMS: C5, B5); they save another 1 to 5 percent
 //! of the visits. The twin is `walk_bvh_stack.wgsl`.
 
-use super::{BvhWalk, Visitor, test};
-use crate::PreparedRay;
+use super::{BvhWalk, Seeker, Visitor};
 use crate::bvh::{MAX_DEPTH, Node};
 
 /// The walk.
 #[derive(Clone, Copy, Debug)]
 pub struct Ordered;
 
-/// A child that waits, and where the ray enters it.
+/// A child that waits, and where the seeker enters it.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Entry {
     pub(super) node: u32,
     pub(super) entry: f32,
 }
 
-impl BvhWalk for Ordered {
+impl<S: Seeker> BvhWalk<S> for Ordered {
     #[inline(always)]
-    fn walk<V: Visitor>(self, nodes: &[Node], ray: &PreparedRay, visitor: &mut V) {
+    fn walk<V: Visitor>(self, nodes: &[Node], seeker: &S, visitor: &mut V) {
         if nodes.is_empty() {
             return;
         }
@@ -35,8 +34,8 @@ impl BvhWalk for Ordered {
             } else {
                 visitor.inner_visit(current);
                 let (first, second) = (current + 1, node.link);
-                let a = test(&nodes[first as usize], ray, visitor.t_max());
-                let b = test(&nodes[second as usize], ray, visitor.t_max());
+                let a = seeker.approach(&nodes[first as usize], visitor.t_max());
+                let b = seeker.approach(&nodes[second as usize], visitor.t_max());
                 match (a.is_hit(), b.is_hit()) {
                     (true, true) => {
                         // The first child at equal distance, so that the order is one for all devices.

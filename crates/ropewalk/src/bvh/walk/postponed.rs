@@ -5,7 +5,7 @@
 //! ray (ALGORITHMS: C5). Here the empty stack ends the walk, and with culling the second child is looked at again
 //! after the first one's leaf. The twin is `walk_bvh_postponed.wgsl`.
 
-use super::{BvhWalk, Visitor, test};
+use super::{BvhWalk, Seeker, Visitor};
 use crate::PreparedRay;
 use crate::bvh::{MAX_DEPTH, Node};
 
@@ -30,7 +30,7 @@ impl<const CULL: bool, const SORT: bool> BvhWalk for Postponed<CULL, SORT> {
             let limit = if CULL { visitor.t_max() } else { ray.t_max };
             let (first, second) = (current + 1, nodes[current as usize].link);
             let (node_a, node_b) = (&nodes[first as usize], &nodes[second as usize]);
-            let (a, b) = (test(node_a, ray, limit), test(node_b, ray, limit));
+            let (a, b) = (ray.approach(node_a, limit), ray.approach(node_b, limit));
             let mut enter_a = a.is_hit();
             if enter_a && node_a.is_leaf() {
                 if visitor.leaf(node_a.link, node_a.count).is_break() {

@@ -1,7 +1,7 @@
 //! The recursive walk of the blog of 2022: the simplest one, with the machine's own stack, and the yardstick of
 //! the others. It has no twin: WGSL has no recursion.
 
-use super::{BvhWalk, Visitor, test};
+use super::{BvhWalk, Seeker, Visitor};
 use crate::PreparedRay;
 use crate::bvh::Node;
 use std::ops::ControlFlow;
@@ -27,7 +27,7 @@ fn traverse<V: Visitor>(nodes: &[Node], ray: &PreparedRay, visitor: &mut V, curr
     visitor.inner_visit(current);
     for child in [current + 1, nodes[current as usize].link] {
         let node = &nodes[child as usize];
-        if test(node, ray, ray.t_max).is_hit() {
+        if ray.approach(node, ray.t_max).is_hit() {
             if node.is_leaf() {
                 visitor.leaf(node.link, node.count)?;
             } else {

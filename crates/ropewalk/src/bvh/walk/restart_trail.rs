@@ -6,7 +6,8 @@
 //! ring whose oldest entry is dropped when a new one finds no room ([`ShortStack`]).
 //!
 //! **What the paper leaves open**, and what holds here (ALGORITHMS: C2):
-//! * near and far depend on the ray and the boxes alone, never on what has been hit; the first child is near at a tie;
+//! * near and far depend on the seeker and the boxes alone, never on what has been found; the first child is near at a
+//!   tie. What is found only lowers the limit, so the near child is culled no sooner than the far one;
 //! * culling is closed (`entry <= t_max`): a parent of a hit is never culled behind it;
 //! * an entry that is culled when it is popped has its bit of the trail like one that is visited, so each discarded
 //!   entry is followed by its own update of the trail. With a stack that never drops anything, the sequence of nodes
@@ -17,15 +18,17 @@
 //! 31, 64 bits of depth 63, the array any depth up to [`MAX_DEPTH`].
 //!
 //! Without a stack about 1.6 to 3.2 times the inner visits of a full stack, with one entry 1.1 to 1.7, with three at
-//! most 1.14: `ropewalk lab restart-trail` measures it. The twin is `walk_bvh_restart_trail.wgsl`.
+//! most 1.14: `ropewalk lab restart-trail` measures it. Points pay more, 1.4 to 7.5 times without a stack
+//! (`ropewalk lab closest-point`): "closest-point and kNN searches" are the paper's second piece of future work. The
+//! twin is `walk_bvh_restart_trail.wgsl`.
 
 use super::ordered::Entry;
 use super::short_stack::ShortStack;
-use super::{BvhWalk, Visitor, test};
+use super::{BvhWalk, Seeker, Visitor};
 use crate::batch::Traversal;
 use crate::bvh::{Bvh, MAX_DEPTH, Node};
 use crate::catalogue::{TrailOptions, TrailRegister};
-use crate::{PreparedRay, Query, Ray, TraceError, TraceOptions, Traced, Walk};
+use crate::{Query, Ray, TraceError, TraceOptions, Traced};
 
 /// Traces a batch with the register that was asked for, or the smallest that serves the tree.
 pub(super) fn trace(
@@ -35,19 +38,12 @@ pub(super) fn trace(
     rays: &[Ray],
     how: TraceOptions,
 ) -> Result<Traced, TraceError> {
-    let depth = bvh.report().depth;
-    let stack_entries = options.short_stack;
-    Ok(match options.register_for(depth) {
-        TrailRegister::U32 if depth > TrailU32::LEVELS => {
-            return Err(TraceError::too_deep(Walk::RestartTrail(options), depth, TrailU32::LEVELS));
-        }
-        TrailRegister::U64 if depth > TrailU64::LEVELS => {
-            return Err(TraceError::too_deep(Walk::RestartTrail(options), depth, TrailU64::LEVELS));
-        }
-        TrailRegister::U32 => bvh.by(RestartTrail::<TrailU32>::new(stack_entries)).trace(query, rays, how),
-        TrailRegister::U64 => bvh.by(RestartTrail::<TrailU64>::new(stack_entries)).trace(query, rays, how),
+    let room = options.short_stack;
+    Ok(match options.register_for(bvh.report().depth)? {
+        TrailRegister::U32 => bvh.by(RestartTrail::<TrailU32>::new(room)).trace(query, rays, how),
+        TrailRegister::U64 => bvh.by(RestartTrail::<TrailU64>::new(room)).trace(query, rays, how),
         TrailRegister::Array | TrailRegister::Auto => {
-            bvh.by(RestartTrail::<ArrayTrail>::new(stack_entries)).trace(query, rays, how)
+            bvh.by(RestartTrail::<ArrayTrail>::new(room)).trace(query, rays, how)
         }
     })
 }
@@ -200,13 +196,16 @@ register_trail!(TrailU32, u32, "The trail in 32-bit registers, for trees of dept
 register_trail!(TrailU64, u64, "The trail in 64-bit registers, for trees of depth 63.");
 
 /// The walk, with a trail of type `T` and a short stack in a ring of `ROOM` places.
+///
+/// Without `CULL_AT_POP` an entry is visited whatever has been found since it was pushed, as the paper has it: the same
+/// answers with more visits, and the measure of what culling at pop is worth.
 #[derive(Clone, Copy, Debug)]
-pub struct RestartTrail<T, const ROOM: usize = 16> {
+pub struct RestartTrail<T, const ROOM: usize = 16, const CULL_AT_POP: bool = true> {
     capacity: usize,
     trail: std::marker::PhantomData<fn() -> T>,
 }
 
-impl<T: Trail, const ROOM: usize> RestartTrail<T, ROOM> {
+impl<T: Trail, const ROOM: usize, const CULL_AT_POP: bool> RestartTrail<T, ROOM, CULL_AT_POP> {
     /// A walk whose stack holds the last `min(short_stack, ROOM)` entries. The tree must be no deeper than the
     /// trail's [`Trail::LEVELS`].
     #[must_use]
@@ -215,9 +214,11 @@ impl<T: Trail, const ROOM: usize> RestartTrail<T, ROOM> {
     }
 }
 
-impl<T: Trail + Sync, const ROOM: usize> BvhWalk for RestartTrail<T, ROOM> {
+impl<S: Seeker, T: Trail + Sync, const ROOM: usize, const CULL_AT_POP: bool> BvhWalk<S>
+    for RestartTrail<T, ROOM, CULL_AT_POP>
+{
     #[inline(always)]
-    fn walk<V: Visitor>(self, nodes: &[Node], ray: &PreparedRay, visitor: &mut V) {
+    fn walk<V: Visitor>(self, nodes: &[Node], seeker: &S, visitor: &mut V) {
         if nodes.is_empty() {
             return;
         }
@@ -233,8 +234,8 @@ impl<T: Trail + Sync, const ROOM: usize> BvhWalk for RestartTrail<T, ROOM> {
             } else {
                 visitor.inner_visit(current);
                 let (first, second) = (current + 1, node.link);
-                let a = test(&nodes[first as usize], ray, visitor.t_max());
-                let b = test(&nodes[second as usize], ray, visitor.t_max());
+                let a = seeker.approach(&nodes[first as usize], visitor.t_max());
+                let b = seeker.approach(&nodes[second as usize], visitor.t_max());
                 match (a.is_hit(), b.is_hit()) {
                     (true, true) => {
                         // The first child at equal distance, so that the order is one for all devices.
@@ -279,7 +280,7 @@ impl<T: Trail + Sync, const ROOM: usize> BvhWalk for RestartTrail<T, ROOM> {
                         break;
                     }
                     // Closed: at equal t a smaller id may still win.
-                    Some(far) if far.entry <= visitor.t_max() => {
+                    Some(far) if !CULL_AT_POP || far.entry <= visitor.t_max() => {
                         current = far.node;
                         break;
                     }

@@ -1,6 +1,6 @@
 //! One ray at a time, with the best walk there is for it.
 
-use super::{AnyHit, BvhWalk, ClosestHit, Collect, HitCount, Ordered, TriangleVisitor};
+use super::{AnyHit, BvhWalk, ClosestHit, Collect, Ordered, TriangleVisitor};
 use crate::batch::Traversal;
 use crate::bvh::Bvh;
 use crate::{Hit, NoProbe, PreparedRay, Probe, Ray};
@@ -21,12 +21,7 @@ impl Bvh {
     /// How many hits a ray has in its window; 0 where the ray is not valid.
     #[must_use]
     pub fn count(&self, ray: &Ray) -> u32 {
-        if self.has_repeats() {
-            let mut hits = Vec::new();
-            self.all(ray, &mut hits);
-            return hits.len() as u32;
-        }
-        self.by(Ordered).summary::<HitCount, NoProbe>(ray).0
+        self.by(Ordered).count(ray)
     }
 
     /// Replaces `hits` by every hit of a ray in its window, sorted by `t`, ties by id. None is left out: there

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 
 /// Is led through a structure by a walk.
 pub trait Visitor {
-    /// Nothing beyond this `t` is of interest any more. It never grows.
+    /// Nothing beyond is of interest any more: a ray's `t`, or a point's squared distance. It never grows.
     fn t_max(&self) -> f32;
     /// The boxes of the children of this inner node are about to be tested.
     fn inner_visit(&mut self, node: u32);

@@ -22,12 +22,10 @@ pub use connect::SurfaceError;
 use super::distance::box_distance_squared;
 use super::foot::WideFoot;
 use super::visitor::slack;
-use super::walk::{PointStack, PointWalk};
 use super::{ClosestPoint, PointQuery, PreparedPoint, reach};
-use crate::batch::CHUNK;
+use crate::batch::answer_each;
 use crate::bvh::Bvh;
-use crate::bvh::walk::Visitor;
-use crate::parallel::fill_chunks;
+use crate::bvh::walk::{BvhWalk, Ordered, Visitor};
 use glam::{DVec2, DVec3, Vec3};
 use std::ops::ControlFlow;
 use surface::Surface;
@@ -105,29 +103,20 @@ impl<'a> SignedDistance<'a> {
     pub fn contains(&self, point: Vec3) -> bool {
         let bounds = self.bvh.bounds();
         let in_box = point.cmpge(bounds.min).all() && point.cmple(bounds.max).all();
-        in_box && self.distance(point) <= 0.0
+        // Of a surface that is inside out, all the space around is inside.
+        (in_box || self.volume() < 0.0) && self.distance(point) <= 0.0
     }
 
     /// The distances of many points, into `distances`. Only the first `min(points.len(), distances.len())` are
     /// answered.
     pub fn distances(&self, points: &[Vec3], distances: &mut [f32]) {
-        let len = points.len().min(distances.len());
-        fill_chunks(&mut distances[..len], CHUNK, |first, part| {
-            for (distance, &point) in part.iter_mut().zip(&points[first..]) {
-                *distance = self.distance(point);
-            }
-        });
+        answer_each(points, distances, |&point| self.distance(point));
     }
 
     /// Whether each of many points is inside, into `inside`. Only the first `min(points.len(), inside.len())` are
     /// answered.
     pub fn contains_batch(&self, points: &[Vec3], inside: &mut [bool]) {
-        let len = points.len().min(inside.len());
-        fill_chunks(&mut inside[..len], CHUNK, |first, part| {
-            for (inside, &point) in part.iter_mut().zip(&points[first..]) {
-                *inside = self.contains(point);
-            }
-        });
+        answer_each(points, inside, |&point| self.contains(point));
     }
 
     /// The closest point of the surface with everything known about it; `None` where the point is not
@@ -144,7 +133,7 @@ impl<'a> SignedDistance<'a> {
             reach: f32::MAX,
             best: None,
         };
-        PointStack.walk(self.bvh.nodes(), &prepared, &mut visitor);
+        Ordered.walk(self.bvh.nodes(), &prepared, &mut visitor);
         visitor.best.map(|(reference, foot)| self.describe(reference, &foot))
     }
 

@@ -1,10 +1,9 @@
 //! Batches of rays, spread over threads where there are any.
 
 use super::{BruteForce, Ordered, restart_trail};
-use crate::batch::{CHUNK, TraceOptions, Traced, Traversal};
+use crate::batch::{TraceOptions, Traced, Traversal, answer_each};
 use crate::bvh::StackOrder;
 use crate::catalogue::{self, StructureKind};
-use crate::parallel::fill_chunks;
 use crate::wide_bvh::WideBvh;
 use crate::{CatalogueError, DeviceKind, Hit, Query, Ray, TraceError, Walk};
 
@@ -35,22 +34,12 @@ impl WideBvh {
     /// The closest hits of many rays, into `hits`, by the best walk. Only the first
     /// `min(rays.len(), hits.len())` are traced.
     pub fn closest_batch(&self, rays: &[Ray], hits: &mut [Hit]) {
-        let len = rays.len().min(hits.len());
-        fill_chunks(&mut hits[..len], CHUNK, |first, part| {
-            for (hit, ray) in part.iter_mut().zip(&rays[first..]) {
-                *hit = self.closest(ray);
-            }
-        });
+        answer_each(rays, hits, |ray| self.closest(ray));
     }
 
     /// Whether each of many rays hits anything, into `hits`, by the best walk. Only the first
     /// `min(rays.len(), hits.len())` are traced.
     pub fn any_batch(&self, rays: &[Ray], hits: &mut [bool]) {
-        let len = rays.len().min(hits.len());
-        fill_chunks(&mut hits[..len], CHUNK, |first, part| {
-            for (hit, ray) in part.iter_mut().zip(&rays[first..]) {
-                *hit = self.any(ray);
-            }
-        });
+        answer_each(rays, hits, |ray| self.any(ray));
     }
 }

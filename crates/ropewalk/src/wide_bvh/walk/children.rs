@@ -3,7 +3,7 @@
 use super::is_empty;
 use crate::PreparedRay;
 use crate::bvh::Node;
-use crate::bvh::walk::test;
+use crate::bvh::walk::Seeker;
 
 /// Where a walk goes: a leaf, or an inner node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -55,7 +55,7 @@ impl<const WIDTH: usize> HitChildren<WIDTH> {
             if is_empty(child) {
                 break;
             }
-            let interval = test(child, ray, t_max);
+            let interval = ray.approach(child, t_max);
             let target = Target { link: child.link, count: child.count };
             // Written in any case, kept where it is hit: no branch that nobody can foresee.
             sorted[len % WIDTH] = Waiting { target, entry: interval.entry, last: false };

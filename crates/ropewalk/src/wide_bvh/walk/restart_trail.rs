@@ -49,7 +49,7 @@ use crate::bvh::walk::Visitor;
 use crate::bvh::walk::short_stack::ShortStack;
 use crate::catalogue::{TrailOptions, TrailRegister};
 use crate::wide_bvh::WideBvh;
-use crate::{PreparedRay, Query, Ray, TraceError, TraceOptions, Traced, Walk};
+use crate::{PreparedRay, Query, Ray, TraceError, TraceOptions, Traced};
 use std::marker::PhantomData;
 
 /// Traces a batch with the register that was asked for, or the smallest that serves the tree.
@@ -60,12 +60,8 @@ pub(super) fn trace(
     rays: &[Ray],
     how: TraceOptions,
 ) -> Result<Traced, TraceError> {
-    let levels = bvh.report().depth;
     let short_stack = options.short_stack;
-    Ok(match options.wide_register_for(levels) {
-        TrailRegister::U64 if levels > TrailU64::LEVELS => {
-            return Err(TraceError::too_deep(Walk::RestartTrail(options), levels, TrailU64::LEVELS));
-        }
+    Ok(match options.wide_register_for(bvh.report().depth)? {
         TrailRegister::U64 => bvh.by(RestartTrail::<TrailU64>::new(short_stack)).trace(query, rays, how),
         // There are no 32 bits for wide trees: the catalogue refuses them.
         TrailRegister::Array | TrailRegister::Auto | TrailRegister::U32 => {

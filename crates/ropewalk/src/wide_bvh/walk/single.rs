@@ -2,7 +2,7 @@
 
 use super::{Ordered, WideNodes, WideWalk};
 use crate::batch::Traversal;
-use crate::bvh::walk::{AnyHit, ClosestHit, Collect, HitCount, TriangleVisitor, Visitor};
+use crate::bvh::walk::{AnyHit, ClosestHit, Collect, TriangleVisitor, Visitor};
 use crate::wide_bvh::{WideBvh, Width};
 use crate::{Hit, NoProbe, PreparedRay, Probe, Ray};
 
@@ -22,12 +22,7 @@ impl WideBvh {
     /// How many hits a ray has in its window; 0 where the ray is not valid.
     #[must_use]
     pub fn count(&self, ray: &Ray) -> u32 {
-        if self.has_repeats() {
-            let mut hits = Vec::new();
-            self.all(ray, &mut hits);
-            return hits.len() as u32;
-        }
-        self.by(Ordered).summary::<HitCount, NoProbe>(ray).0
+        self.by(Ordered).count(ray)
     }
 
     /// Replaces `hits` by every hit of a ray in its window, sorted by `t`, ties by id. None is left out: there
