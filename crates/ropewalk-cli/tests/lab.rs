@@ -2,7 +2,7 @@
 
 mod support;
 
-use support::{Folder, run};
+use support::{Folder, has_adapter, run};
 
 #[test]
 fn the_restart_trail_is_compared_with_the_full_stack() {
@@ -34,6 +34,84 @@ fn the_restart_trail_is_compared_with_the_full_stack() {
 }
 
 #[test]
+fn closest_points_are_compared_with_brute_force_and_the_oracle() {
+    let folder = Folder::new();
+    let target = folder.text("tables");
+    let few = "--points 2000 --rounds 0 --leaf-cap 4";
+    // A scene that is named twice is asked once.
+    let scenes = "builtin:cubes builtin:forest builtin:cubes --brute-force 300";
+    let document = run(&format!("lab closest-point {scenes} --json -o {target} {few}")).success().json();
+    assert!(document["command"].as_str().unwrap().starts_with("ropewalk lab closest-point"));
+    let scenes = document["scenes"].as_array().unwrap();
+    assert_eq!(scenes.len(), 2);
+    for scene in scenes {
+        assert_eq!((&scene["points"], &scene["seed"]), (&2000.into(), &1.into()), "{scene}");
+        assert_eq!((&scene["brute_force_points"], &scene["oracle_points"]), (&300.into(), &2000.into()));
+        assert_eq!(scene["differences"], 0);
+    }
+    let rows = document["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 2 * 2 * 3, "two builders, two short stacks and the full one");
+    for (row, walk) in rows.iter().zip(["stack", "short-stack=0", "short-stack=4"].iter().cycle()) {
+        for field in ["scene", "builder", "device"] {
+            assert!(row[field].is_string(), "{field}: {row}");
+        }
+        assert!(row["walk"].as_str().unwrap().contains(walk), "{row}");
+        for field in ["triangles", "max_leaf", "inner_visits", "leaf_visits", "primitive_tests", "restarts"] {
+            assert!(row[field].is_number(), "{field}: {row}");
+        }
+        assert_eq!((&row["points"], &row["differing"]), (&2000.into(), &0.into()), "{row}");
+        assert!(row["ratio_inner"].as_f64().unwrap() >= 1.0, "{row}");
+        assert!(row["points_per_s"].is_null(), "nothing was timed");
+    }
+    assert!(rows[1]["restarts"].as_f64().unwrap() > rows[2]["restarts"].as_f64().unwrap());
+    let file = |ending: &str| std::fs::read_to_string(format!("{target}/closest-point.{ending}")).unwrap();
+    for ending in ["json", "csv", "md"] {
+        assert!(file(ending).contains("builtin:forest"), "{ending}");
+    }
+    assert_eq!(file("csv").lines().count(), rows.len() + 1);
+    assert_eq!(std::fs::read_dir(target).unwrap().count(), 3);
+}
+
+#[test]
+fn closest_points_are_printed_as_tables_and_timed() {
+    let line = "lab closest-point builtin:cubes --points 200 --short-stack 2 --builder sbvh --rounds 1";
+    let text = run(line).success().out;
+    assert!(text.contains("## builtin:cubes\n") && text.contains("### On cpu"), "{text}");
+    assert!(text.contains("oracle: 200 of 200") && text.contains("the bit: 200 of 200.\n"), "{text}");
+    assert!(text.contains("(seed 1)") && text.contains("| sbvh | 8 |"), "{text}");
+    let document = run(&format!("{line} --json --seed 5")).success().json();
+    assert_eq!(document["scenes"][0]["seed"], 5);
+    assert_eq!(document["scenes"][0]["brute_force_points"], 200);
+    assert!(document["rows"][0]["points_per_s"].as_f64().unwrap() > 0.0);
+    assert_eq!(document["rows"][0]["ratio_time"]["median"], 1.0);
+}
+
+#[test]
+fn closest_points_are_the_same_on_an_adapter() {
+    if !has_adapter() {
+        return;
+    }
+    let few = "--points 500 --rounds 0 --builder sweep --leaf-cap 4 --json";
+    let line = format!("lab closest-point builtin:cubes --device cpu --device gpu {few}");
+    let document = run(&line).success().json();
+    let rows = document["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 2 * 3);
+    let (cpu, gpu) = rows.split_at(3);
+    let listed = run("list --json").success().json();
+    let adapters = listed["adapters"].as_array().unwrap();
+    for (cpu, gpu) in cpu.iter().zip(gpu) {
+        assert_ne!(cpu["device"], gpu["device"]);
+        assert_eq!(cpu["walk"], gpu["walk"]);
+        // Hardware may round otherwise.
+        if adapters.iter().all(|adapter| adapter["software"] == true) {
+            for field in ["differing", "inner_visits", "leaf_visits", "primitive_tests", "restarts"] {
+                assert_eq!(cpu[field], gpu[field], "{field}");
+            }
+        }
+    }
+}
+
+#[test]
 fn tables_are_printed_and_rates_measured() {
     let line = "lab restart-trail builtin:cubes --short-stack 0 --class primary --rays 100 --rounds 1";
     let text = run(line).success().out;
@@ -51,6 +129,17 @@ fn wrong_words_are_answered_with_the_right_ones() {
         ("restart-trail --short-stack 17", "0..=16"),
         ("restart-trail --class inside", "ambient-occlusion"),
         ("restart-trail --duplication 500 builtin:cubes --rounds 0", "400"),
+        ("closest-points", "closest-point"),
+        ("closest-point --builder sah", "binned, sweep, sbvh"),
+        ("closest-point --short-stack 17", "0..=16"),
+        ("closest-point --points 0", "1..=16777216"),
+        ("closest-point --brute-force -1", "--brute-force"),
+        ("closest-point --brute-force all", "all"),
+        ("closest-point --seed x", "--seed"),
+        ("closest-point --class primary", "--class"),
+        ("closest-point --device cuda", "auto, cpu, gpu"),
+        ("closest-point --duplication 500 builtin:cubes --rounds 0 --points 10", "400"),
+        ("closest-point builtin:pyramids", "assembly"),
     ] {
         run(&format!("lab {words}")).failure(2).mentions(right);
     }
@@ -60,5 +149,8 @@ fn wrong_words_are_answered_with_the_right_ones() {
 fn a_folder_that_cannot_be_made_is_known_before_the_work() {
     let folder = Folder::new();
     let file = folder.write("file", "in the way");
-    run(&format!("lab restart-trail builtin:cubes -o {file}/below")).failure(1).mentions("cannot be made");
+    for experiment in ["restart-trail", "closest-point"] {
+        run(&format!("lab {experiment} builtin:cubes -o {file}/below")).failure(1).mentions("cannot be made");
+        run(&format!("lab {experiment} {file}.ply")).failure(1).mentions("file.ply");
+    }
 }

@@ -18,9 +18,9 @@ fn no_argument_says_what_to_try_first() {
 fn every_command_has_help_with_examples() {
     assert!(run("--help").success().out.contains("Exit codes"));
     assert!(run("--version").success().out.starts_with("ropewalk "));
-    for command in
-        ["render", "trace", "points", "info", "list", "verify", "bench", "lab", "lab restart-trail"]
-    {
+    let experiments = ["lab restart-trail", "lab closest-point"];
+    let commands = ["render", "trace", "points", "info", "list", "verify", "bench", "lab"];
+    for command in commands.into_iter().chain(experiments) {
         let outcome = run(&format!("{command} --help")).success();
         // The usage line and at least two worked examples.
         let examples = outcome.out.matches(&format!("ropewalk {command}")).count();

@@ -4,6 +4,8 @@
 //! | module | concept |
 //! |---|---|
 //! | [`mod@bench`] | one scene: builds, agreement of all walks, rates per ray class |
+//! | [`mod@comparison`] | what the comparisons of short stacks share |
+//! | [`closest_point`] | whether closest points are right, and what the walks to them cost |
 //! | [`restart_trail`] | what stacklessness costs: the comparison of Laine 2010 |
 //! | [`machine`] | what a record must say about where it was made |
 //! | [`spread`] | the median of many rounds |
@@ -13,6 +15,8 @@
 #![forbid(unsafe_code)]
 
 pub mod bench;
+pub mod closest_point;
+pub mod comparison;
 pub mod machine;
 pub mod restart_trail;
 pub mod spread;

@@ -2,17 +2,20 @@
 //! twice, so it is the counters that must tell. Each fault here is one that a port from the paper makes easily: the
 //! formulas as they are printed, the level of the last pop left out, a ring that drops the wrong end.
 
+mod support;
+
 use ropewalk::aabb::slab_test;
 use ropewalk::bvh::walk::{AnyHit, BvhWalk, ClosestHit, Summary, Visitor};
 use ropewalk::bvh::{Node, StackOrder};
 use ropewalk::catalogue::{Row, StackMemory, TrailOptions, TrailRegister};
 use ropewalk::{
-    Answer, Bvh, Counters, DeviceKind, Hit, PreparedRay, Query, Ray, Status, Structure, StructureSpec,
-    TraceOptions, Traced, Walk,
+    Answer, Bvh, Counters, Hit, PreparedRay, Query, Ray, Status, Structure, StructureSpec, TraceOptions,
+    Traced, Walk,
 };
 use ropewalk_testkit::cases::Case;
-use ropewalk_testkit::conformance::{Accuracy, Device, Report, Suite};
+use ropewalk_testkit::conformance::{Accuracy, Device, Report};
 use std::collections::VecDeque;
+use support::{Asked, answering, bvh, demand_caught, row};
 
 /// What is broken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -161,36 +164,18 @@ impl BvhWalk for Faulty {
 }
 
 /// A device whose restart trails are broken; the other walks are the CPU's.
-struct Broken {
-    fault: Fault,
-    bvh: Option<Bvh>,
-}
-
-impl Device for Broken {
-    fn prepare(&mut self, structure: &Structure) -> Result<(), String> {
-        let Structure::Bvh(bvh) = structure else { return Err("only a BVH".into()) };
-        self.bvh = Some(bvh.clone());
-        Ok(())
-    }
-
-    fn trace(
-        &mut self,
-        walk: Walk,
-        query: Query,
-        rays: &[Ray],
-        options: TraceOptions,
-    ) -> Result<Traced, String> {
-        let bvh = self.bvh.as_ref().ok_or("nothing prepared")?;
-        let sound = || bvh.trace(walk, query, rays, options).map_err(|error| error.to_string());
-        let Walk::RestartTrail(trail) = walk else { return sound() };
-        let broken = Faulty { fault: self.fault, capacity: trail.short_stack as usize };
+fn broken(fault: Fault) -> impl Device {
+    answering(move |structure, asked| {
         // A tree that is too deep for the register is refused before anything is walked.
-        sound().map(|traced| match traced.answer {
-            Answer::Closest(_) => trace::<ClosestHit>(broken, bvh, rays, options, Answer::Closest),
-            Answer::Any(_) => trace::<AnyHit>(broken, bvh, rays, options, Answer::Any),
-            _ => traced,
+        let sound = asked.soundly(structure)?;
+        let Walk::RestartTrail(trail) = asked.walk else { return Ok(sound) };
+        let (bvh, walk) = (bvh(structure)?, Faulty { fault, capacity: trail.short_stack as usize });
+        Ok(match sound.answer {
+            Answer::Closest(_) => trace::<ClosestHit>(walk, bvh, asked.rays, asked.options, Answer::Closest),
+            Answer::Any(_) => trace::<AnyHit>(walk, bvh, asked.rays, asked.options, Answer::Any),
+            _ => sound,
         })
-    }
+    })
 }
 
 fn trace<S: Summary>(
@@ -222,21 +207,17 @@ fn rows() -> Vec<Row> {
         Walk::RestartTrail(TrailOptions { short_stack, register, memory: StackMemory::Private })
     };
     let walks = [Walk::BruteForce, Walk::Stack(StackOrder::Ordered), trail(0), trail(2), trail(4)];
-    let row = |walk, query| Row { structure: StructureSpec::default(), walk, query, device: DeviceKind::Cpu };
     walks.into_iter().flat_map(|walk| [Query::Closest, Query::Any].map(|query| row(walk, query))).collect()
 }
 
 fn run(case: &str, fault: Fault) -> Report {
-    let case = Case::named(case).unwrap_or_else(|| panic!("there is no case {case}"));
-    Suite::of(vec![case], Accuracy::Exact).run(&rows(), &mut Broken { fault, bvh: None }, &mut |_, _| {})
+    support::run(case, &rows(), Accuracy::Exact, broken(fault))
 }
 
 /// Runs the case with the fault: it must be caught by a check whose words contain `says`, and only the trails blamed.
 fn must_be_caught(fault: Fault, case: &str, says: &str) {
     let report = run(case, fault);
-    let texts: Vec<String> = report.failures().map(|(_, failure)| failure.what.clone()).collect();
-    assert!(report.is_caught_by(case), "{fault:?} slips through the case {case}");
-    assert!(texts.iter().any(|text| text.contains(says)), "{fault:?}: no text says '{says}': {texts:#?}");
+    demand_caught(&report, fault, case, says);
     for (row, failure) in report.failures() {
         assert!(matches!(row.walk, Walk::RestartTrail(_)), "{fault:?}: {} is blamed: {failure}", row.walk);
     }
@@ -302,34 +283,19 @@ fn restarts_that_are_not_told_are_caught() {
 /// A walk that goes through a tree which is too deep for its register is as wrong as one that refuses another.
 #[test]
 fn a_register_that_is_too_small_must_be_said() {
-    struct Bold(Option<Structure>, bool);
-    impl Device for Bold {
-        fn prepare(&mut self, structure: &Structure) -> Result<(), String> {
-            self.0 = Some(structure.clone());
-            Ok(())
-        }
-        fn trace(
-            &mut self,
-            walk: Walk,
-            query: Query,
-            rays: &[Ray],
-            how: TraceOptions,
-        ) -> Result<Traced, String> {
-            let structure = self.0.as_ref().ok_or("nothing prepared")?;
-            let walk = match walk {
-                Walk::RestartTrail(_) if !self.1 => return Err("the tree is too deep, or so".into()),
-                Walk::RestartTrail(trail) => {
-                    Walk::RestartTrail(TrailOptions { register: TrailRegister::Array, ..trail })
-                }
-                other => other,
-            };
-            structure.trace(walk, query, rays, how).map_err(|error| error.to_string())
-        }
-    }
+    let bold = |answers: bool| {
+        answering(move |structure, asked| match asked.walk {
+            Walk::RestartTrail(_) if !answers => Err("the tree is too deep, or so".into()),
+            Walk::RestartTrail(trail) => {
+                let trail = TrailOptions { register: TrailRegister::Array, ..trail };
+                Asked { walk: Walk::RestartTrail(trail), ..*asked }.soundly(structure)
+            }
+            _ => asked.soundly(structure),
+        })
+    };
     for (answers, says) in [(true, "it answers where it must refuse"), (false, "the tree is too deep, or so")]
     {
-        let cases = Case::named("chain").into_iter().collect();
-        let report = Suite::of(cases, Accuracy::Exact).run(&rows(), &mut Bold(None, answers), &mut |_, _| {});
+        let report = support::run("chain", &rows(), Accuracy::Exact, bold(answers));
         assert!(!report.is_passed());
         assert!(report.to_string().contains(says), "{report}");
     }

@@ -1,17 +1,19 @@
 //! The suite must fail when a walk is broken. Here one walk after the other is broken on purpose, through the real
 //! nodes of real structures, and each must be caught by the case that is meant for it.
 
+mod support;
+
 use ropewalk::aabb::slab_test;
 use ropewalk::bvh::walk::{AllHits, AnyHit, BvhWalk, Collect, HitCount, Ordered, Summary, Visitor};
 use ropewalk::bvh::{Node, StackOrder};
 use ropewalk::catalogue::Row;
 use ropewalk::{
-    Answer, Bvh, Counters, DeviceKind, Hit, HitLists, PreparedRay, Query, Ray, Status, Structure,
-    StructureSpec, TraceOptions, Traced, Walk,
+    Answer, Bvh, Counters, Hit, HitLists, PreparedRay, Query, Ray, Status, Structure, TraceOptions, Traced,
+    Walk,
 };
-use ropewalk_testkit::cases::Case;
-use ropewalk_testkit::conformance::{Accuracy, Device, Report, Suite};
+use ropewalk_testkit::conformance::{Accuracy, Device, Report};
 use std::ops::ControlFlow;
+use support::{Asked, answering, bvh, demand_caught, row};
 
 /// What is broken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -141,49 +143,36 @@ impl Collect for WrongTies {
     }
 }
 
-/// A device whose ordered walk is broken; the other walks are the CPU's.
-struct Broken {
-    fault: Fault,
-    bvh: Option<Bvh>,
+/// What a device says whose ordered walk is broken; the other walks are the CPU's.
+fn answer(fault: Fault, structure: &Structure, asked: &Asked<'_>) -> Result<Traced, String> {
+    if asked.walk != Walk::Stack(StackOrder::Ordered) {
+        return asked.soundly(structure);
+    }
+    let Asked { query, rays, options, .. } = *asked;
+    let bvh = bvh(structure)?;
+    macro_rules! by_walk {
+        ($($fault:ident),*) => {
+            match fault {
+                $(Fault::$fault => trace(Faulty::<{ Fault::$fault as u8 }>, bvh, fault, query, rays, options),)*
+                _ => trace(Ordered, bvh, fault, query, rays, options),
+            }
+        };
+    }
+    Ok(by_walk!(
+        Nothing,
+        NoNearPad,
+        DropsTheOldestEntry,
+        StackOfEightEntries,
+        OpenTestAtPop,
+        SkipsALeaf,
+        EntersLeavesTwice,
+        FartherChildFirst
+    ))
 }
 
-impl Device for Broken {
-    fn prepare(&mut self, structure: &Structure) -> Result<(), String> {
-        let Structure::Bvh(bvh) = structure else { return Err("only a BVH".into()) };
-        self.bvh = Some(bvh.clone());
-        Ok(())
-    }
-
-    fn trace(
-        &mut self,
-        walk: Walk,
-        query: Query,
-        rays: &[Ray],
-        options: TraceOptions,
-    ) -> Result<Traced, String> {
-        let bvh = self.bvh.as_ref().ok_or("nothing prepared")?;
-        if walk != Walk::Stack(StackOrder::Ordered) {
-            return bvh.trace(walk, query, rays, options).map_err(|error| error.to_string());
-        }
-        macro_rules! by_walk {
-            ($($fault:ident),*) => {
-                match self.fault {
-                    $(Fault::$fault => trace(Faulty::<{ Fault::$fault as u8 }>, bvh, self.fault, query, rays, options),)*
-                    _ => trace(Ordered, bvh, self.fault, query, rays, options),
-                }
-            };
-        }
-        Ok(by_walk!(
-            Nothing,
-            NoNearPad,
-            DropsTheOldestEntry,
-            StackOfEightEntries,
-            OpenTestAtPop,
-            SkipsALeaf,
-            EntersLeavesTwice,
-            FartherChildFirst
-        ))
-    }
+/// A device whose ordered walk is broken.
+fn broken(fault: Fault) -> impl Device {
+    answering(move |structure, asked| answer(fault, structure, asked))
 }
 
 fn trace<W: BvhWalk>(
@@ -305,7 +294,6 @@ fn spoil(hit: &mut Hit, fault: Fault, bvh: &Bvh) {
 }
 
 fn rows() -> Vec<Row> {
-    let row = |walk, query| Row { structure: StructureSpec::default(), walk, query, device: DeviceKind::Cpu };
     let mut rows = Vec::new();
     for query in Query::EVERY {
         rows.extend([row(Walk::BruteForce, query), row(Walk::Stack(StackOrder::Ordered), query)]);
@@ -317,16 +305,13 @@ fn rows() -> Vec<Row> {
 }
 
 fn run(case: &str, fault: Fault) -> Report {
-    let case = Case::named(case).unwrap_or_else(|| panic!("there is no case {case}"));
-    Suite::of(vec![case], Accuracy::Exact).run(&rows(), &mut Broken { fault, bvh: None }, &mut |_, _| {})
+    support::run(case, &rows(), Accuracy::Exact, broken(fault))
 }
 
 /// Runs the case with the fault: it must be caught, by a check whose words contain `says`, and nobody else blamed.
 fn must_be_caught(fault: Fault, case: &str, says: &str) {
     let report = run(case, fault);
-    assert!(report.is_caught_by(case), "{fault:?} slips through the case {case}");
-    let texts: Vec<String> = report.failures().map(|(_, failure)| failure.what.clone()).collect();
-    assert!(texts.iter().any(|text| text.contains(says)), "{fault:?}: no text says '{says}': {texts:#?}");
+    demand_caught(&report, fault, case, says);
     assert!(
         report.failures().any(|(row, _)| row.walk == Walk::Stack(StackOrder::Ordered)),
         "{fault:?}: the broken walk is not blamed: {report}"
@@ -420,38 +405,22 @@ fn answers_that_change_with_counting_are_caught() {
 }
 
 /// A device like a real GPU: its `t` is a few floats off, differently for each triangle.
-struct Rough {
-    device: Broken,
-}
-
-impl Device for Rough {
-    fn prepare(&mut self, structure: &Structure) -> Result<(), String> {
-        self.device.prepare(structure)
-    }
-
-    fn trace(
-        &mut self,
-        walk: Walk,
-        query: Query,
-        rays: &[Ray],
-        options: TraceOptions,
-    ) -> Result<Traced, String> {
-        let mut traced = self.device.trace(walk, query, rays, options)?;
+fn rough(fault: Fault) -> impl Device {
+    // Ties are broken before the rounding here, so a case without them is wanted.
+    answering(move |structure, asked| {
+        let mut traced = answer(fault, structure, asked)?;
         if let Answer::Closest(hits) = &mut traced.answer {
-            for (hit, ray) in hits.iter_mut().zip(rays).filter(|(hit, _)| hit.is_hit()) {
+            for (hit, ray) in hits.iter_mut().zip(asked.rays).filter(|(hit, _)| hit.is_hit()) {
                 let off = 1.0 + ((hit.primitive_index % 5) as f32 - 2.0) * 6e-8;
                 hit.t = (hit.t * off).clamp(ray.t_min, ray.t_max);
             }
         }
         Ok(traced)
-    }
+    })
 }
 
 fn run_rough(case: &str, fault: Fault, accuracy: Accuracy) -> Report {
-    // Ties are broken before the rounding here, so a case without them is wanted.
-    let case = Case::named(case).unwrap_or_else(|| panic!("there is no case {case}"));
-    let mut device = Rough { device: Broken { fault, bvh: None } };
-    Suite::of(vec![case], accuracy).run(&rows(), &mut device, &mut |_, _| {})
+    support::run(case, &rows(), accuracy, rough(fault))
 }
 
 #[test]
@@ -499,8 +468,7 @@ fn a_device_that_fails_is_reported() {
     for (kind, says) in
         [(0, "out of memory"), (1, "the device is lost"), (2, "the number of answers is wrong")]
     {
-        let cases = Case::named("one-triangle").into_iter().collect();
-        let report = Suite::of(cases, Accuracy::Relaxed).run(&rows(), &mut Failing(kind), &mut |_, _| {});
+        let report = support::run("one-triangle", &rows(), Accuracy::Relaxed, Failing(kind));
         assert!(report.rows.iter().all(|row| !row.is_passed()));
         assert!(report.to_string().contains(says), "{report}");
     }

@@ -60,7 +60,7 @@ impl Judge {
 }
 
 /// Whether a device may fuse a product with a sum and divide by an approximate reciprocal.
-fn is_hardware(device: &Device) -> bool {
+pub(crate) fn is_hardware(device: &Device) -> bool {
     match device {
         Device::Cpu => false,
         Device::Gpu(tracer) => !tracer.gpu().is_software(),

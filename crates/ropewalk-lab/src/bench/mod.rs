@@ -19,7 +19,7 @@ pub use agreement::{Agreement, Disagreement};
 pub use record::{BuildRecord, ClassRecord, LaneRecord, RateRecord, SceneRecord, Work};
 pub use ropewalk_testkit::rays::View;
 
-pub(crate) use agreement::Judge;
+pub(crate) use agreement::{Judge, is_hardware};
 use batches::Batch;
 use lanes::Lane;
 use ropewalk::{BuildError, Scene, Structure, StructureSpec, Walk};

@@ -1,31 +1,24 @@
 //! The runs: trees, rays, answers, counts, times.
 
+use super::as_printed;
 use super::bands::{PUBLISHED, REFERENCE, WANTED, is_within};
 use super::rays::Seen;
-use super::record::{ShortStack, TrailRow};
-use crate::Spread;
+use super::record::TrailRow;
 use crate::bench::{Judge, Progress, Watch};
-use ropewalk::catalogue::TrailOptions;
+use crate::comparison::{ComparisonError, Means, Rates, ShortStack, TreeSettings, builder_name, time, walks};
 use ropewalk::{
-    Answer, BuildError, BuildOptions, Builder, CounterTotals, FlatScene, Hit, Query, Ray, Scene, Structure,
+    Answer, BuildError, BuildOptions, CounterTotals, FlatScene, Hit, Query, Ray, Scene, Structure,
     StructureSpec, TraceOptions, Traced, Walk,
 };
 use ropewalk_gpu::{Device, GpuError, Traceable};
 use ropewalk_testkit::rays::RayClass;
-use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::Instant;
-use thiserror::Error;
 
 /// What is compared.
 #[derive(Clone, Debug)]
 pub struct TrailSettings {
-    /// What makes the trees.
-    pub builders: Vec<Builder>,
-    /// Their leaf caps.
-    pub leaf_caps: Vec<u32>,
-    /// Percent of references that the SBVH builder may add.
-    pub duplication: u32,
+    /// Which trees are walked.
+    pub trees: TreeSettings,
     /// Sizes of the short stack.
     pub short_stacks: Vec<u32>,
     /// The classes of rays.
@@ -38,6 +31,9 @@ pub struct TrailSettings {
     pub devices: Vec<Device>,
     /// How often each walk is timed; 0 counts only.
     pub rounds: usize,
+    /// Whether entries are culled again when they are popped, as the catalogue's walks do. The paper does not; without
+    /// it counts alone are taken, on the CPU.
+    pub culls_at_pop: bool,
 }
 
 impl TrailSettings {
@@ -45,9 +41,7 @@ impl TrailSettings {
     #[must_use]
     pub fn new() -> Self {
         Self {
-            builders: vec![Builder::SweepSah, Builder::Sbvh],
-            leaf_caps: vec![1, 4, 8],
-            duplication: BuildOptions::default().duplication,
+            trees: TreeSettings::default(),
             short_stacks: vec![0, 1, 2, 3, 4, 5, 8],
             classes: vec![
                 RayClass::Primary,
@@ -59,6 +53,7 @@ impl TrailSettings {
             seen: Seen::Around,
             devices: vec![Device::Cpu],
             rounds: 0,
+            culls_at_pop: true,
         }
     }
 }
@@ -67,38 +62,6 @@ impl Default for TrailSettings {
     fn default() -> Self {
         Self::new()
     }
-}
-
-/// Why there is no comparison.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum TrailError {
-    /// A tree was not built.
-    #[error(transparent)]
-    Build(#[from] BuildError),
-    /// A device failed.
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-    /// A walk gives other answers than the full stack.
-    #[error("{walk} on {device}, {structure}, {class} rays: {what}")]
-    Disagrees {
-        /// The walk.
-        walk: String,
-        /// The device.
-        device: String,
-        /// The tree.
-        structure: String,
-        /// The rays.
-        class: &'static str,
-        /// The first difference.
-        what: String,
-    },
-    /// The scene has nothing to hit.
-    #[error("the scene has no triangle that a ray could hit: there is nothing to compare")]
-    Empty,
-    /// The caller stopped it.
-    #[error("stopped before the scene was through")]
-    Stopped,
 }
 
 /// Compares short stacks with the full stack on a scene.
@@ -110,40 +73,31 @@ pub fn run(
     scene: &Scene,
     settings: &TrailSettings,
     watch: &Watch<'_>,
-) -> Result<Vec<TrailRow>, TrailError> {
+) -> Result<Vec<TrailRow>, ComparisonError> {
     let flat = scene.flatten().map_err(BuildError::from)?;
     if flat.triangles.is_empty() {
-        return Err(TrailError::Empty);
+        return Err(ComparisonError::Empty);
     }
     let judge = Judge::new(&flat, &settings.devices);
     // All trees are asked with the same rays: those that one tree's hits give, which are every tree's.
     let maker = scene.build(&BuildOptions::default())?;
     let batches = make_rays(&flat, &Structure::Bvh(maker), settings)?;
     drop(flat);
-    let total = settings.builders.len() * settings.leaf_caps.len() * batches.len() * settings.devices.len();
+    let total = settings.trees.count() * batches.len() * settings.devices.len();
     let mut done = 0;
     let mut rows = Vec::new();
-    for &builder in &settings.builders {
-        for &max_leaf in &settings.leaf_caps {
-            let options = BuildOptions {
-                builder,
-                max_leaf,
-                duplication: settings.duplication,
-                ..BuildOptions::default()
-            };
-            let structure = Arc::new(Structure::Bvh(scene.build(&options)?));
-            for device in &settings.devices {
-                let traceable = device.prepare(Arc::clone(&structure))?;
-                for batch in &batches {
-                    let what = format!("{} rays, {}", batch.class, StructureSpec::Bvh(options));
-                    if watch(Progress { what: &what, done, total }).is_break() {
-                        return Err(TrailError::Stopped);
-                    }
-                    let tree =
-                        Tree { name, triangles: scene.triangle_count(), options, traceable: &traceable };
-                    rows.extend(tree.compare(batch, settings, &judge, watch)?);
-                    done += 1;
+    for options in settings.trees.each() {
+        let structure = Arc::new(Structure::Bvh(scene.build(&options)?));
+        for device in &settings.devices {
+            let traceable = device.prepare(Arc::clone(&structure))?;
+            for batch in &batches {
+                let what = format!("{} rays, {}", batch.class, StructureSpec::Bvh(options));
+                if watch(Progress { what: &what, done, total }).is_break() {
+                    return Err(ComparisonError::Stopped);
                 }
+                let tree = Tree { name, triangles: scene.triangle_count(), options, traceable: &traceable };
+                rows.extend(tree.compare(batch, settings, &judge, watch)?);
+                done += 1;
             }
         }
     }
@@ -160,7 +114,7 @@ fn make_rays(
     flat: &FlatScene,
     structure: &Structure,
     settings: &TrailSettings,
-) -> Result<Vec<Batch>, TrailError> {
+) -> Result<Vec<Batch>, ComparisonError> {
     let failure = std::cell::RefCell::default();
     let closest = |rays: &[Ray]| match structure.trace(
         Walk::default(),
@@ -202,13 +156,8 @@ impl Tree<'_> {
         settings: &TrailSettings,
         judge: &Judge,
         watch: &Watch<'_>,
-    ) -> Result<Vec<TrailRow>, TrailError> {
-        let trail = |&short_stack: &u32| {
-            let options = TrailOptions { short_stack, ..TrailOptions::default() };
-            (ShortStack::Entries(short_stack), Walk::RestartTrail(options))
-        };
-        let full = (ShortStack::Full, Walk::default());
-        let walks: Vec<_> = std::iter::once(full).chain(settings.short_stacks.iter().map(trail)).collect();
+    ) -> Result<Vec<TrailRow>, ComparisonError> {
+        let walks = walks(&settings.short_stacks);
         let options = TraceOptions { counters: true };
         let query = batch.class.query();
         // On the CPU: every device must agree with it.
@@ -218,75 +167,50 @@ impl Tree<'_> {
             .trace(Walk::default(), query, &batch.rays, options)
             .map_err(GpuError::from)?;
         let mut counted = Vec::new();
-        for &(_, walk) in &walks {
-            let traced = self.traceable.trace(walk, query, &batch.rays, options)?;
+        for &walk in &walks {
+            let as_printed =
+                || as_printed::trace(self.traceable.structure(), ShortStack::of(walk), query, &batch.rays);
+            let traced = match (!settings.culls_at_pop).then(as_printed).flatten() {
+                Some(traced) => traced,
+                None => self.traceable.trace(walk, query, &batch.rays, options)?,
+            };
             judge.compare(self.traceable.device(), &batch.rays, &expected, &traced).map_err(|what| {
-                TrailError::Disagrees {
+                ComparisonError::Disagrees {
                     walk: walk.to_string(),
                     device: self.traceable.device().to_string(),
                     structure: StructureSpec::Bvh(self.options).to_string(),
-                    class: batch.class.name(),
+                    asked: format!("{} rays", batch.class),
                     what,
                 }
             })?;
             counted.push(traced.totals().unwrap_or_default());
         }
-        let times = self.time(batch, &walks, settings.rounds, watch)?;
-        let full_visits = counted[0].inner_visits;
-        let full_times = times[0].clone();
-        Ok(walks
-            .iter()
-            .zip(&counted)
-            .zip(&times)
-            .map(|((&(short_stack, _), totals), times)| {
-                self.row(batch, short_stack, totals, full_visits, times, &full_times)
-            })
-            .collect())
-    }
-
-    /// The seconds of each walk in each round.
-    fn time(
-        &self,
-        batch: &Batch,
-        walks: &[(ShortStack, Walk)],
-        rounds: usize,
-        watch: &Watch<'_>,
-    ) -> Result<Vec<Vec<f64>>, TrailError> {
-        let mut times = vec![Vec::with_capacity(rounds); walks.len()];
-        for round in 0..rounds {
-            let what = format!("timing {} rays, {}", batch.class, StructureSpec::Bvh(self.options));
-            if watch(Progress { what: &what, done: round, total: rounds }) == ControlFlow::Break(()) {
-                return Err(TrailError::Stopped);
-            }
-            for (&(_, walk), times) in walks.iter().zip(&mut times) {
-                let start = Instant::now();
-                self.traceable.trace(walk, batch.class.query(), &batch.rays, TraceOptions::default())?;
-                times.push(start.elapsed().as_secs_f64());
-            }
-        }
-        Ok(times)
+        let what = format!("timing {} rays, {}", batch.class, StructureSpec::Bvh(self.options));
+        let rounds = if settings.culls_at_pop { settings.rounds } else { 0 };
+        let times = time(&walks, rounds, &what, watch, |walk| {
+            self.traceable.trace(walk, query, &batch.rays, TraceOptions::default()).map(drop)
+        })?;
+        let (full, full_times) = (counted[0], times[0].as_slice());
+        let rows = walks.iter().zip(&counted).zip(&times).map(|((&walk, totals), times)| {
+            let means = Means::new(batch.rays.len(), totals, &full);
+            let rates = Rates::new(batch.rays.len(), times, full_times);
+            self.row(batch, ShortStack::of(walk), means, rates, totals, settings.culls_at_pop)
+        });
+        Ok(rows.collect())
     }
 
     fn row(
         &self,
         batch: &Batch,
         short_stack: ShortStack,
+        means: Means,
+        rates: Rates,
         totals: &CounterTotals,
-        full_visits: u64,
-        times: &[f64],
-        full_times: &[f64],
+        culls_at_pop: bool,
     ) -> TrailRow {
         let report = self.traceable.structure().report();
-        let rays = batch.rays.len() as f64;
-        let mean = |sum: u64| sum as f64 / rays;
-        // A tree of one leaf has no inner visit, with any stack.
-        let ratio_inner =
-            if full_visits == 0 { 1.0 } else { totals.inner_visits as f64 / full_visits as f64 };
-        let ratios: Vec<f64> = times.iter().zip(full_times).map(|(time, full)| time / full).collect();
-        let entries = match short_stack {
-            ShortStack::Entries(entries) => Some(entries),
-            ShortStack::Full => None,
-        };
+        let entries = short_stack.entries();
+        let ratio_inner = means.ratio_inner;
         let reference = REFERENCE.iter().find(|reference| {
             reference.triangles == self.triangles
                 && reference.builder == self.options.builder
@@ -297,21 +221,21 @@ impl Tree<'_> {
             let of = |&&(size, _): &&(u32, f64)| Some(size) == entries;
             reference.ratios.iter().find(of).map(|&(_, ratio)| ratio)
         });
-        let builder = Builder::NAMES.iter().find(|(_, builder)| *builder == self.options.builder);
         TrailRow {
             scene: self.name.into(),
-            builder: builder.map_or("", |(name, _)| name),
+            builder: builder_name(self.options.builder),
             max_leaf: self.options.max_leaf,
             rays: batch.class.name(),
             short_stack,
-            inner_visits: mean(totals.inner_visits),
-            leaf_visits: mean(totals.leaf_visits),
-            primitive_tests: mean(totals.primitive_tests),
-            restarts: mean(totals.restarts),
+            culls_at_pop,
+            inner_visits: means.inner_visits,
+            leaf_visits: means.leaf_visits,
+            primitive_tests: means.primitive_tests,
+            restarts: means.restarts,
             ratio_inner,
-            rays_per_s: Spread::of(times).map(|seconds| rays / seconds.median),
+            rays_per_s: rates.per_second,
             device: self.traceable.device().to_string(),
-            ratio_time: Spread::of(&ratios),
+            ratio_time: rates.ratio_time,
             threads: matches!(self.traceable.device(), Device::Cpu).then(rayon::current_num_threads),
             query: batch.class.query().name(),
             ray_count: batch.rays.len(),
@@ -332,9 +256,11 @@ impl Tree<'_> {
 mod tests {
     use super::*;
     use ropewalk_testkit::meshes;
+    use std::ops::ControlFlow;
 
     fn settings() -> TrailSettings {
-        TrailSettings { rays: 600, leaf_caps: vec![1, 4], ..TrailSettings::new() }
+        let trees = TreeSettings { leaf_caps: vec![1, 4], ..TreeSettings::default() };
+        TrailSettings { trees, rays: 600, ..TrailSettings::new() }
     }
 
     fn on(_: Progress<'_>) -> ControlFlow<()> {
@@ -358,12 +284,33 @@ mod tests {
         assert!(rows.iter().any(|row| row.references > row.triangles), "spatial splits add some");
     }
 
+    /// The same answers, which [`run`] demands, and more visits where rays go on after a hit.
+    #[test]
+    fn without_culling_at_pop_there_are_more_visits() {
+        let scene = Scene::from_mesh(meshes::soup(2000, 0.2, 5));
+        let with = run("soup", &scene, &settings(), &on).unwrap();
+        let without =
+            run("soup", &scene, &TrailSettings { rounds: 1, culls_at_pop: false, ..settings() }, &on)
+                .unwrap();
+        for (with, without) in with.iter().zip(&without) {
+            assert_eq!((with.rays, with.short_stack), (without.rays, without.short_stack));
+            assert!(
+                (with.culls_at_pop, without.culls_at_pop) == (true, false) && without.rays_per_s.is_none()
+            );
+            if with.query == "closest" && with.short_stack == ShortStack::Full {
+                assert!(without.inner_visits > 1.005 * with.inner_visits, "{without:?}");
+                assert_eq!(without.restarts, 0.0);
+            }
+        }
+        assert_eq!(with.len(), without.len());
+    }
+
     #[test]
     fn an_empty_scene_and_a_stop_are_errors() {
         let empty = run("nothing", &Scene::default(), &settings(), &on);
-        assert!(matches!(empty, Err(TrailError::Empty)));
+        assert!(matches!(empty, Err(ComparisonError::Empty)));
         let scene = Scene::from_mesh(meshes::icosphere(1));
         let stopped = run("sphere", &scene, &settings(), &|_| ControlFlow::Break(()));
-        assert!(matches!(stopped, Err(TrailError::Stopped)));
+        assert!(matches!(stopped, Err(ComparisonError::Stopped)));
     }
 }

@@ -12,11 +12,13 @@
 //! |---|---|
 //! | `rays` | six views of a scene, and the rays of a class from all of them |
 //! | `experiment` | the runs |
+//! | `as_printed` | the walk without culling at pop |
 //! | `record` | a row, for JSON and CSV |
 //! | `bands` | what the paper and the reference measurements say |
 //! | `report` | tables in markdown |
 //! | `plot` | the ratios over the size of the stack |
 
+mod as_printed;
 mod bands;
 mod experiment;
 mod plot;
@@ -25,8 +27,8 @@ mod record;
 mod report;
 
 pub use bands::{Band, PUBLISHED, REFERENCE, Reference, WANTED, is_within};
-pub use experiment::{TrailError, TrailSettings, run};
+pub use experiment::{TrailSettings, run};
 pub use plot::{PlotError, plot};
 pub use rays::{Seen, with_ground};
-pub use record::{ShortStack, TrailRow, write_csv};
+pub use record::{TrailRow, write_csv};
 pub use report::markdown;

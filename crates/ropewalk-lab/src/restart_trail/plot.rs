@@ -1,7 +1,7 @@
 //! The ratios over the size of the short stack, one chart a scene, as SVG.
 
 use super::bands::{Band, PUBLISHED, WANTED};
-use super::record::{ShortStack, TrailRow};
+use super::record::TrailRow;
 use plotters::prelude::*;
 use thiserror::Error;
 
@@ -50,10 +50,7 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 fn chart(area: &Area<'_>, rows: &[TrailRow]) -> Result<(), PlotError> {
     let Some(first) = rows.first() else { return Ok(()) };
     let rows: Vec<&TrailRow> = rows.iter().filter(|row| row.device == first.device).collect();
-    let size = |row: &TrailRow| match row.short_stack {
-        ShortStack::Entries(entries) => Some(f64::from(entries)),
-        ShortStack::Full => None,
-    };
+    let size = |row: &TrailRow| row.short_stack.entries().map(f64::from);
     let largest = rows.iter().filter_map(|row| size(row)).fold(1.0, f64::max);
     let mut chart = ChartBuilder::on(area)
         .caption(format!("{}: inner visits over the full stack's", first.scene), ("sans-serif", 17))
@@ -129,6 +126,7 @@ fn style(row: &TrailRow) -> ShapeStyle {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::comparison::ShortStack;
     use crate::restart_trail::record::tests::row;
 
     #[test]

@@ -1,37 +1,9 @@
 //! What is kept of the comparison: one row a scene, builder, leaf cap, class of rays, short stack and device.
 
 use crate::Spread;
-use serde::{Serialize, Serializer};
-use std::fmt;
+use crate::comparison::{Column, ShortStack, maybe, write_columns};
+use serde::Serialize;
 use std::io::{self, Write};
-
-/// How many entries a stack may hold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum ShortStack {
-    /// The restart trail with so many.
-    Entries(u32),
-    /// The stack walk, which never drops any.
-    Full,
-}
-
-impl fmt::Display for ShortStack {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Entries(entries) => formatter.pad(&entries.to_string()),
-            Self::Full => formatter.pad("full"),
-        }
-    }
-}
-
-impl Serialize for ShortStack {
-    /// A number, or the word `full`.
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Entries(entries) => serializer.serialize_u32(*entries),
-            Self::Full => serializer.serialize_str("full"),
-        }
-    }
-}
 
 /// One row. All counts are means a ray.
 #[derive(Clone, Debug, Serialize)]
@@ -46,6 +18,8 @@ pub struct TrailRow {
     pub rays: &'static str,
     /// The size of the stack.
     pub short_stack: ShortStack,
+    /// Whether entries are culled again when they are popped; the full stack's too.
+    pub culls_at_pop: bool,
     /// Nodes whose children's boxes were tested.
     pub inner_visits: f64,
     /// Leaves entered.
@@ -88,60 +62,37 @@ pub struct TrailRow {
     pub deviation_percent: Option<f64>,
 }
 
-/// Writes the rows as CSV, a heading first. The spread of the times is left to JSON.
+/// The spread of the times is left to JSON.
+const COLUMNS: [Column<TrailRow>; 21] = [
+    ("scene", |row| row.scene.clone()),
+    ("builder", |row| row.builder.into()),
+    ("max_leaf", |row| row.max_leaf.to_string()),
+    ("rays", |row| row.rays.into()),
+    ("short_stack", |row| row.short_stack.to_string()),
+    ("culls_at_pop", |row| row.culls_at_pop.to_string()),
+    ("inner_visits", |row| row.inner_visits.to_string()),
+    ("leaf_visits", |row| row.leaf_visits.to_string()),
+    ("primitive_tests", |row| row.primitive_tests.to_string()),
+    ("restarts", |row| row.restarts.to_string()),
+    ("ratio_inner", |row| row.ratio_inner.to_string()),
+    ("rays_per_s", |row| maybe(row.rays_per_s)),
+    ("device", |row| row.device.clone()),
+    ("ratio_time", |row| maybe(row.ratio_time.map(|ratio| ratio.median))),
+    ("threads", |row| maybe(row.threads)),
+    ("ray_count", |row| row.ray_count.to_string()),
+    ("triangles", |row| row.triangles.to_string()),
+    ("references", |row| row.references.to_string()),
+    ("in_band", |row| maybe(row.in_band)),
+    ("reference_ratio", |row| maybe(row.reference_ratio)),
+    ("deviation_percent", |row| maybe(row.deviation_percent)),
+];
+
+/// Writes the rows as CSV, a heading first.
 ///
 /// # Errors
 /// When the writer fails.
 pub fn write_csv(rows: &[TrailRow], writer: impl Write) -> io::Result<()> {
-    let mut csv = csv::Writer::from_writer(writer);
-    csv.write_record([
-        "scene",
-        "builder",
-        "max_leaf",
-        "rays",
-        "short_stack",
-        "inner_visits",
-        "leaf_visits",
-        "primitive_tests",
-        "restarts",
-        "ratio_inner",
-        "rays_per_s",
-        "device",
-        "ratio_time",
-        "threads",
-        "ray_count",
-        "triangles",
-        "references",
-        "in_band",
-        "reference_ratio",
-        "deviation_percent",
-    ])?;
-    let maybe = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
-    for row in rows {
-        csv.write_record([
-            row.scene.clone(),
-            row.builder.into(),
-            row.max_leaf.to_string(),
-            row.rays.into(),
-            row.short_stack.to_string(),
-            row.inner_visits.to_string(),
-            row.leaf_visits.to_string(),
-            row.primitive_tests.to_string(),
-            row.restarts.to_string(),
-            row.ratio_inner.to_string(),
-            maybe(row.rays_per_s),
-            row.device.clone(),
-            maybe(row.ratio_time.map(|ratio| ratio.median)),
-            row.threads.map(|threads| threads.to_string()).unwrap_or_default(),
-            row.ray_count.to_string(),
-            row.triangles.to_string(),
-            row.references.to_string(),
-            row.in_band.map(|within| within.to_string()).unwrap_or_default(),
-            maybe(row.reference_ratio),
-            maybe(row.deviation_percent),
-        ])?;
-    }
-    csv.flush()
+    write_columns(&COLUMNS, rows, writer)
 }
 
 #[cfg(test)]
@@ -156,6 +107,7 @@ pub(super) mod tests {
             max_leaf: 4,
             rays: "primary",
             short_stack,
+            culls_at_pop: true,
             inner_visits: 20.0 * ratio_inner,
             leaf_visits: 2.0,
             primitive_tests: 5.0,
@@ -177,13 +129,6 @@ pub(super) mod tests {
             reference_ratio: Some(2.0),
             deviation_percent: Some(5.0),
         }
-    }
-
-    #[test]
-    fn a_stack_is_a_number_or_a_word() {
-        let json = serde_json::to_value([ShortStack::Entries(3), ShortStack::Full]).unwrap();
-        assert_eq!(json, serde_json::json!([3, "full"]));
-        assert!(ShortStack::Entries(16) < ShortStack::Full);
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! The comparison as tables in markdown: one a scene and device, a line a tree and class of rays.
 
 use super::bands::{Band, PUBLISHED, WANTED};
-use super::record::{ShortStack, TrailRow};
+use super::record::TrailRow;
+use crate::comparison::ShortStack;
 use std::fmt::Write;
 
 /// Tables of all rows. Rows of one comparison must stand together, as [`super::run`] gives them.
@@ -25,7 +26,8 @@ fn scene(text: &mut String, rows: &[&TrailRow]) {
     let _ = writeln!(text, "## {} on {}\n", first.scene, first.device);
     let _ = writeln!(
         text,
-        "Per ray with the full stack: inner visits, leaf visits, triangle tests. Then inner visits over those of the full stack, by entries of the short stack{}.\n",
+        "Per ray with the full stack{}: inner visits, leaf visits, triangle tests. Then inner visits over those of the full stack, by entries of the short stack{}.\n",
+        if first.culls_at_pop { "" } else { ", without culling at pop" },
         if first.rays_per_s.is_some() { "; in brackets the time over that of the full stack" } else { "" }
     );
     let comparisons: Vec<&[&TrailRow]> =

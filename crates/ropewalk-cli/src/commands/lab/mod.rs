@@ -1,5 +1,7 @@
 //! `ropewalk lab EXPERIMENT`: the experiments of the papers, on any scene.
 
+mod closest_point;
+mod common;
 mod restart_trail;
 
 use crate::failure::Failure;
@@ -9,7 +11,9 @@ const EXAMPLES: &str = "\
 Examples:
   ropewalk lab restart-trail bunny.ply -o bunny
   ropewalk lab restart-trail room.obj --views within --rounds 0
-  ropewalk lab restart-trail --help";
+  ropewalk lab closest-point bunny.ply -o bunny
+  ropewalk lab restart-trail --help
+  ropewalk lab closest-point --help";
 
 /// The arguments of `ropewalk lab`.
 #[derive(Args, Debug)]
@@ -24,11 +28,14 @@ pub(crate) struct Arguments {
 enum Experiment {
     /// What it costs to do without a stack: the restart trail against the full stack (Laine 2010)
     RestartTrail(restart_trail::Arguments),
+    /// Whether closest points are right, and what it costs to find them without a stack
+    ClosestPoint(closest_point::Arguments),
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.experiment {
         Experiment::RestartTrail(arguments) => restart_trail::run(arguments),
+        Experiment::ClosestPoint(arguments) => closest_point::run(arguments),
     }
 }

@@ -1,25 +1,16 @@
 //! `ropewalk lab restart-trail`: visits and rates of short stacks, measured by `ropewalk-lab` and written here.
 
-use crate::device_argument;
+use super::common::{CommonArguments, Findings, Plot, unique_or};
 use crate::failure::Failure;
-use crate::interrupt;
-use crate::output::{self, OutputFile};
-use crate::progress::Progress;
-use crate::scene_argument::{DEFAULT_SCENE, SceneArgument, scene_help};
-use crate::threads::{self, MOST_THREADS};
-use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
+use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use ropewalk::catalogue::TrailOptions;
-use ropewalk::{BuildOptions, Builder, CatalogueError};
-use ropewalk_gpu::{Device, DeviceChoice};
-use ropewalk_lab::Machine;
 use ropewalk_lab::restart_trail::{
-    Seen, TrailError, TrailRow, TrailSettings, markdown, plot, run as compare, with_ground, write_csv,
+    Seen, TrailRow, TrailSettings, markdown, plot, run as compare, with_ground, write_csv,
 };
 use ropewalk_testkit::rays::RayClass;
 use serde::Serialize;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::io::{self, Write};
 
 const EXAMPLES: &str = "\
 Counts are means a ray and the same on every machine; ratios are to the full
@@ -31,6 +22,7 @@ Examples:
   ropewalk lab restart-trail room.obj hall.obj --views within --rounds 0
   ropewalk lab restart-trail builtin:forest --device cpu --device gpu --json
   ropewalk lab restart-trail bunny.ply --ground --builder sweep --leaf-cap 8
+  ropewalk lab restart-trail room.obj --views within --no-culling-at-pop
 
 With -o the folder gets restart-trail.json, .csv, .md and .svg.";
 
@@ -38,21 +30,8 @@ With -o the folder gets restart-trail.json, .csv, .md and .svg.";
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    #[arg(value_name = "SCENE", help = scene_help(), default_value = DEFAULT_SCENE)]
-    #[arg(value_parser = OsStringValueParser::new().map(SceneArgument::from))]
-    scenes: Vec<SceneArgument>,
-    /// The folder for the tables and the plot; it is made if it is not there
-    #[arg(short, long, value_name = "DIR")]
-    output: Option<PathBuf>,
-    /// What makes the trees: binned, sweep or sbvh; may be given several times; by default sweep and sbvh
-    #[arg(long, value_name = "BUILDER", value_parser = builder)]
-    builder: Vec<Builder>,
-    /// Percent of references that sbvh may add
-    #[arg(long, value_name = "PERCENT", default_value_t = BuildOptions::default().duplication)]
-    duplication: u32,
-    /// Triangles a leaf may have; may be given several times; by default 1, 4 and 8
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=255))]
-    leaf_cap: Vec<u32>,
+    #[command(flatten)]
+    common: CommonArguments,
     /// Entries of the short stack; may be given several times; by default 0, 1, 2, 3, 4, 5 and 8
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(TrailOptions::MAX_SHORT_STACK)))]
     short_stack: Vec<u32>,
@@ -69,18 +48,9 @@ pub(super) struct Arguments {
     /// Put a ground of two triangles under the scene
     #[arg(long)]
     ground: bool,
-    /// Where to trace: cpu, gpu, gpu:NUMBER or gpu:PART-OF-A-NAME; may be given several times; by default the CPU
-    #[arg(long, value_name = "DEVICE")]
-    device: Vec<DeviceChoice>,
-    /// Threads of the CPU; all of them by default
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS))]
-    threads: Option<u16>,
-    /// How often each walk is timed; 0 only counts
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(0..=1000))]
-    rounds: u16,
-    /// Print one JSON document
-    #[arg(long)]
-    json: bool,
+    /// Do not cull entries again when they are popped, as the paper has it: counts only, on the CPU
+    #[arg(long, conflicts_with = "device")]
+    no_culling_at_pop: bool,
 }
 
 /// From where the scene is seen.
@@ -92,164 +62,62 @@ enum Views {
     Within,
 }
 
-fn builder(text: &str) -> Result<Builder, CatalogueError> {
-    Builder::NAMES.iter().find(|(name, _)| *name == text).map(|(_, builder)| *builder).ok_or_else(|| {
-        let names: Vec<&str> = Builder::NAMES.iter().map(|(name, _)| *name).collect();
-        CatalogueError(format!("there is no builder '{text}'; there is {}", names.join(", ")))
-    })
+#[derive(Debug, Default, Serialize)]
+struct Rows {
+    rows: Vec<TrailRow>,
 }
 
-#[derive(Debug, Serialize)]
-struct Document {
-    machine: Machine,
-    command: String,
-    rows: Vec<TrailRow>,
+impl Findings for Rows {
+    const NAME: &'static str = "restart-trail";
+    const TITLE: &'static str = "The restart trail against the full stack";
+    const PLOT: Option<Plot<Self>> = Some(|found| plot(&found.rows).map_err(Failure::failed));
+
+    fn add(&mut self, more: Self) {
+        self.rows.extend(more.rows);
+    }
+
+    fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    fn markdown(&self) -> String {
+        markdown(&self.rows)
+    }
+
+    fn write_csv(&self, writer: &mut dyn Write) -> io::Result<()> {
+        write_csv(&self.rows, writer)
+    }
 }
 
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    arguments.scenes.iter().try_for_each(SceneArgument::check)?;
-    let machine = Machine::here();
+    arguments.common.check()?;
     let settings = arguments.settings()?;
-    let files = arguments.output.as_deref().map(Files::new).transpose()?;
-    if !machine.optimized && settings.rounds > 0 {
-        output::note(
-            "this is a debug build: its times mean little; build with --release, or count with --rounds 0",
-        );
-    }
-    interrupt::listen()?;
-    let mut rows = Vec::new();
-    let mut failure = None;
-    for argument in &arguments.scenes {
-        match threads::run(arguments.threads, || compare_scene(argument, arguments, &settings)) {
-            Ok(more) => rows.extend(more),
-            // What is finished is kept.
-            Err(error) => {
-                failure = Some(error);
-                break;
-            }
-        }
-    }
-    let document = Document { machine, command: command_line(), rows };
-    if let Some(files) = files.filter(|_| !document.rows.is_empty()) {
-        files.write(&document)?;
-    }
-    // A run that failed before anything was finished has nothing to print.
-    if failure.is_none() || !document.rows.is_empty() {
-        if arguments.json {
-            output::print_json(&document)?;
-        } else {
-            output::print(&text(&document))?;
-        }
-    }
-    failure.map_or(Ok(()), Err)
-}
-
-fn compare_scene(
-    argument: &SceneArgument,
-    arguments: &Arguments,
-    settings: &TrailSettings,
-) -> Result<Vec<TrailRow>, Failure> {
-    let loaded = argument.load()?;
-    loaded.note_defects();
-    let scene = if arguments.ground { with_ground(loaded.model.scene) } else { loaded.model.scene };
-    let progress = Progress::bar(argument.to_string());
-    let watch = |step: ropewalk_lab::bench::Progress<'_>| {
-        progress.label(format!("{argument}: {}", step.what));
-        progress.step(step.done, step.total)
-    };
-    compare(&argument.to_string(), &scene, settings, &watch).map_err(|error| match error {
-        TrailError::Build(error @ ropewalk::BuildError::Option { .. }) => error.into(),
-        TrailError::Gpu(error) => error.into(),
-        TrailError::Stopped => {
-            Failure::failed(format!("{argument}: stopped by ctrl-C: the scenes before are kept"))
-        }
-        other => Failure::failed(format!("{argument}: {other}")),
+    arguments.common.run(|name, scene, watch| {
+        let scene = if arguments.ground { with_ground(scene) } else { scene };
+        compare(name, &scene, &settings, watch).map(|rows| Rows { rows })
     })
 }
 
 impl Arguments {
     fn settings(&self) -> Result<TrailSettings, Failure> {
         let plain = TrailSettings::new();
-        let or = |given: &[u32], plain: Vec<u32>| if given.is_empty() { plain } else { unique(given) };
         let classes: Vec<RayClass> = RayClass::MEASURED
             .into_iter()
             .filter(|class| self.classes.iter().any(|name| name == class.name()))
             .collect();
         Ok(TrailSettings {
-            builders: if self.builder.is_empty() { plain.builders } else { unique(&self.builder) },
-            leaf_caps: or(&self.leaf_cap, plain.leaf_caps),
-            duplication: self.duplication,
-            short_stacks: or(&self.short_stack, plain.short_stacks),
+            trees: self.common.trees(),
+            short_stacks: unique_or(&self.short_stack, plain.short_stacks),
             classes: if classes.is_empty() { plain.classes } else { classes },
             rays: self.rays as usize,
             seen: match self.views {
                 Views::Around => Seen::Around,
                 Views::Within => Seen::Within,
             },
-            devices: self.devices()?,
-            rounds: self.rounds.into(),
+            devices: self.common.devices()?,
+            rounds: self.common.rounds(),
+            culls_at_pop: !self.no_culling_at_pop,
         })
-    }
-
-    fn devices(&self) -> Result<Vec<Device>, Failure> {
-        if self.device.is_empty() {
-            return Ok(vec![Device::Cpu]);
-        }
-        device_argument::open_each(&self.device)
-    }
-}
-
-/// Each once, in the order of the first mention.
-fn unique<T: Copy + PartialEq>(given: &[T]) -> Vec<T> {
-    let mut each: Vec<T> = Vec::new();
-    for &one in given {
-        if !each.contains(&one) {
-            each.push(one);
-        }
-    }
-    each
-}
-
-/// The command as it was given, the program's folder left out.
-fn command_line() -> String {
-    let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
-    std::iter::once("ropewalk".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
-}
-
-fn text(document: &Document) -> String {
-    let Machine { cpu, threads, system, ropewalk, commit, date, .. } = &document.machine;
-    let command = &document.command;
-    format!(
-        "# The restart trail against the full stack\n\n`{command}`\n\n{cpu}, {threads} threads, {system}; ropewalk {ropewalk} ({commit}), {date}\n\n{}",
-        markdown(&document.rows)
-    )
-}
-
-/// What goes into the folder.
-struct Files {
-    json: OutputFile,
-    csv: OutputFile,
-    markdown: OutputFile,
-    plot: OutputFile,
-}
-
-impl Files {
-    /// Makes the folder and checks that the files can be written, before any work is done for them.
-    fn new(folder: &Path) -> Result<Self, Failure> {
-        std::fs::create_dir_all(folder)
-            .map_err(|error| Failure::failed(format!("{}: cannot be made: {error}", folder.display())))?;
-        let file = |ending: &str| OutputFile::new(&folder.join(format!("restart-trail.{ending}")));
-        Ok(Self { json: file("json")?, csv: file("csv")?, markdown: file("md")?, plot: file("svg")? })
-    }
-
-    fn write(&self, document: &Document) -> Result<(), Failure> {
-        let json = serde_json::to_string_pretty(document)
-            .map_err(|error| Failure::failed(format!("the result has no JSON form: {error}")))?;
-        let plot = plot(&document.rows).map_err(Failure::failed)?;
-        self.json.write(|writer| writeln!(writer, "{json}"))?;
-        self.csv.write(|writer| write_csv(&document.rows, writer))?;
-        self.markdown.write(|writer| writer.write_all(text(document).as_bytes()))?;
-        self.plot.write(|writer| writer.write_all(plot.as_bytes()))
     }
 }
