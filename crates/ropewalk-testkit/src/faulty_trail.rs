@@ -1,10 +1,13 @@
 //! Restart trails with known faults, which a comparison of walks must find out: the formulas that Laine 2010 prints
-//! (ALGORITHMS: C2), and a trail without the level of the last pop.
+//! (ALGORITHMS: C2), and trails that remember too little of where pops led.
 
 use ropewalk::bvh::walk::Trail;
 
-/// It forgets to which level the last pop led: answers stay right, leaves are entered twice.
+/// It forgets to which levels pops led: answers stay right, leaves are entered twice.
 pub const NO_POP_LEVEL: u8 = 0;
+/// It remembers the level of the last pop alone, as the paper has it: leaves are entered twice where a hit may lie in front
+/// of the box that it was found in.
+pub const LAST_POP_LEVEL: u8 = 4;
 /// It clears the bits below a level as the paper prints it.
 pub const PRINTED_CLEARING: u8 = 1;
 /// It finds the lowest bit as the paper prints it, which misses bit 0.
@@ -20,7 +23,7 @@ const MOST_POPS: u32 = 200_000;
 pub struct Faulty<const FAULT: u8> {
     trail: u64,
     level: u64,
-    pop_level: u64,
+    far: u64,
     pops: u32,
 }
 
@@ -28,7 +31,7 @@ impl<const FAULT: u8> Trail for Faulty<FAULT> {
     const LEVELS: u32 = 63;
 
     fn new() -> Self {
-        Self { trail: 0, level: 1 << 63, pop_level: 0, pops: 0 }
+        Self { trail: 0, level: 1 << 63, far: 0, pops: 0 }
     }
 
     fn descend(&mut self) {
@@ -43,8 +46,8 @@ impl<const FAULT: u8> Trail for Faulty<FAULT> {
         self.trail |= self.level;
     }
 
-    fn is_pop_level(&self) -> bool {
-        FAULT != NO_POP_LEVEL && self.level == self.pop_level
+    fn is_far_level(&self) -> bool {
+        FAULT != NO_POP_LEVEL && self.far & self.level != 0
     }
 
     fn finish(&mut self) -> bool {
@@ -58,7 +61,8 @@ impl<const FAULT: u8> Trail for Faulty<FAULT> {
         } else {
             self.trail & self.trail.wrapping_neg()
         };
-        self.pop_level = self.level;
+        let before = if FAULT == LAST_POP_LEVEL { 0 } else { self.far & self.level.wrapping_neg() };
+        self.far = before | self.level;
         // A trail may lead in circles without ever coming to a leaf, where a visitor could end it.
         self.pops += 1;
         self.trail >> 63 == 0 && self.pops < MOST_POPS

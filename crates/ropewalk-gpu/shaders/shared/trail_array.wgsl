@@ -8,12 +8,12 @@ struct Trail {
     // Bit `level % 32` of word `level / 32`.
     bits: array<u32, 3>,
     level: u32,
-    // 0xffffffff before the first pop.
-    pop_level: u32,
+    // The levels at which the far child's turn has come, likewise.
+    far: array<u32, 3>,
 }
 
 fn new_trail() -> Trail {
-    return Trail(array<u32, 3>(0u, 0u, 0u), 0u, 0xffffffffu);
+    return Trail(array<u32, 3>(0u, 0u, 0u), 0u, array<u32, 3>(0u, 0u, 0u));
 }
 
 fn descend(trail: ptr<function, Trail>) {
@@ -30,8 +30,9 @@ fn set_single(trail: ptr<function, Trail>) {
     (*trail).bits[level / 32u] |= 1u << (level % 32u);
 }
 
-fn is_pop_level(trail: ptr<function, Trail>) -> bool {
-    return (*trail).level == (*trail).pop_level;
+fn is_far_level(trail: ptr<function, Trail>) -> bool {
+    let level = (*trail).level;
+    return (((*trail).far[level / 32u] >> (level % 32u)) & 1u) != 0u;
 }
 
 fn finish_trail(trail: ptr<function, Trail>) -> bool {
@@ -42,10 +43,11 @@ fn finish_trail(trail: ptr<function, Trail>) -> bool {
     // Nothing has been visited of the next branch: the levels below are cleared.
     for (var word = level / 32u + 1u; word < 3u; word += 1u) {
         (*trail).bits[word] = 0u;
+        (*trail).far[word] = 0u;
     }
     let bit = 1u << (level % 32u);
     (*trail).bits[level / 32u] = ((*trail).bits[level / 32u] & (bit - 1u)) | bit;
-    (*trail).pop_level = level;
+    (*trail).far[level / 32u] = ((*trail).far[level / 32u] & (bit - 1u)) | bit;
     return level > 0u;
 }
 

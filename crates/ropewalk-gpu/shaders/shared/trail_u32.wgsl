@@ -2,13 +2,13 @@
 // next lower one.
 // Source: Laine 2010, section 2.1, with both formulas corrected; the twin of TrailU32 in ropewalk's
 //   bvh/walk/restart_trail.rs, which says what is wrong with the printed ones.
-// Invariants: level is one bit; pop_level is one bit, or none before the first pop. The same functions as trail_u64
-//   and trail_array. finish_trail makes the trail larger, as a number, so no walk returns to where it was.
+// Invariants: level is one bit; far has the levels at which the far child's turn has come. The same functions as
+//   trail_u64 and trail_array. finish_trail makes the trail larger, as a number, so no walk returns to where it was.
 
 struct Trail {
     bits: u32,
     level: u32,
-    pop_level: u32,
+    far: u32,
 }
 
 // Nothing done, at the root.
@@ -31,9 +31,9 @@ fn set_single(trail: ptr<function, Trail>) {
     (*trail).bits |= (*trail).level;
 }
 
-// Whether the last pop led to this level.
-fn is_pop_level(trail: ptr<function, Trail>) -> bool {
-    return (*trail).level == (*trail).pop_level;
+// Whether a pop led to the far child at this level: the near one is finished.
+fn is_far_level(trail: ptr<function, Trail>) -> bool {
+    return ((*trail).far & (*trail).level) != 0u;
 }
 
 // Notes that the current node is finished, and goes up to the level of the next one; whether there is one.
@@ -42,8 +42,9 @@ fn finish_trail(trail: ptr<function, Trail>) -> bool {
     // Clears the levels below, and carries through the ones above to the next zero.
     let bits = ((*trail).bits & (0u - level)) + level;
     (*trail).bits = bits;
-    (*trail).level = bits & (0u - bits);
-    (*trail).pop_level = (*trail).level;
+    let next = bits & (0u - bits);
+    (*trail).level = next;
+    (*trail).far = ((*trail).far & (0u - next)) | next;
     return (bits & 0x80000000u) == 0u;
 }
 

@@ -7,7 +7,7 @@
 struct Trail {
     bits: vec2<u32>,
     level: vec2<u32>,
-    pop_level: vec2<u32>,
+    far: vec2<u32>,
 }
 
 // Zero minus a number.
@@ -38,16 +38,17 @@ fn set_single(trail: ptr<function, Trail>) {
     (*trail).bits |= (*trail).level;
 }
 
-fn is_pop_level(trail: ptr<function, Trail>) -> bool {
-    return all((*trail).level == (*trail).pop_level);
+fn is_far_level(trail: ptr<function, Trail>) -> bool {
+    return any(((*trail).far & (*trail).level) != vec2<u32>(0u));
 }
 
 fn finish_trail(trail: ptr<function, Trail>) -> bool {
     let level = (*trail).level;
     let bits = sum((*trail).bits & negated(level), level);
     (*trail).bits = bits;
-    (*trail).level = bits & negated(bits);
-    (*trail).pop_level = (*trail).level;
+    let next = bits & negated(bits);
+    (*trail).level = next;
+    (*trail).far = ((*trail).far & negated(next)) | next;
     return (bits.x & 0x80000000u) == 0u;
 }
 

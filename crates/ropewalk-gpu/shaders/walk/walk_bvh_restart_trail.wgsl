@@ -60,7 +60,7 @@ fn walk_bvh(seeker: Seeker, node_count: u32, step_budget: u32, collect: ptr<func
                         );
                         probe_stack_depth(push_short(&stack, far));
                     }
-                } else if is_pop_level(&trail) {
+                } else if is_far_level(&trail) {
                     // Both were hit when the walk came by first, and the near one is finished: the hits since then
                     // cull the far one.
                     go = false;

@@ -110,19 +110,19 @@ const DROP_NEWEST: Damage = (
 /// The restart trail, with a stack of 2 in 32 bits. The printed formula never ends: the budget does it.
 const TRAIL: &[Damage] = &[
     ("shared/trail_u32", "& (0u - level)", "& ~level"),
-    ("shared/trail_u32", "return (*trail).level == (*trail).pop_level;", "return false;"),
+    ("shared/trail_u32", "return ((*trail).far & (*trail).level) != 0u;", "return false;"),
     ("shared/trail_u32", "bits & (0u - bits)", "0x80000000u"),
     ("shared/trail_u32", "(*trail).bits |= (*trail).level;", ""),
     // The lowest bit as it is printed, which misses bit 0: only a tree of the full depth shows it.
     (
         "shared/trail_u32",
-        "(*trail).level = bits & (0u - bits);",
-        "(*trail).level = (((bits >> 1u) - 1u) ^ (bits >> 1u)) + 1u;",
+        "let next = bits & (0u - bits);",
+        "let next = (((bits >> 1u) - 1u) ^ (bits >> 1u)) + 1u;",
     ),
     ("walk/walk_bvh_restart_trail", "b.entry < a.entry", "b.entry <= a.entry"),
     ("walk/walk_bvh_restart_trail", "far.entry <=", "far.entry <"),
     ("walk/walk_bvh_restart_trail", "second_is_near != near_done", "second_is_near"),
-    ("walk/walk_bvh_restart_trail", "} else if is_pop_level(&trail) {", "} else if false {"),
+    ("walk/walk_bvh_restart_trail", "} else if is_far_level(&trail) {", "} else if false {"),
     ("walk/walk_bvh_restart_trail", "set_single(&trail);", ""),
     ("walk/walk_bvh_restart_trail", "probe_restart();", ""),
     ("walk/walk_bvh_restart_trail", "probe_stack_depth(push_short(&stack, far))", "push_short(&stack, far)"),
@@ -143,13 +143,13 @@ const TRAIL_U64: &[Damage] = &[
     ("shared/trail_u64", "u32(number.y == 0u)", "0u"),
     ("shared/trail_u64", "u32(low < a.y)", "0u"),
     ("shared/trail_u64", "| (level.x << 31u)", ""),
-    ("shared/trail_u64", "all((*trail).level == (*trail).pop_level)", "false"),
+    ("shared/trail_u64", "any(((*trail).far & (*trail).level) != vec2<u32>(0u))", "false"),
     ("shared/trail_u64", "vec2<u32>(level.x >> 1u,", "vec2<u32>(level.x,"),
 ];
 const TRAIL_ARRAY: &[Damage] = &[
     ("shared/trail_array", "(*trail).bits[word] = 0u;", ""),
-    ("shared/trail_array", "& (bit - 1u)", ""),
-    ("shared/trail_array", "(*trail).pop_level = level;", ""),
+    ("shared/trail_array", "(*trail).bits[level / 32u] & (bit - 1u)", "(*trail).bits[level / 32u]"),
+    ("shared/trail_array", "((*trail).far[level / 32u] & (bit - 1u)) | bit", "0u"),
     ("shared/trail_array", "level / 32u + 1u; word < 3u", "level / 32u + 2u; word < 3u"),
     ("shared/trail_array", "return level > 0u;", "return level > 1u;"),
 ];

@@ -9,7 +9,7 @@ use ropewalk_testkit::points::{same_closest_points, same_nearest_points};
 use ropewalk_testkit::random::Random;
 
 /// The first half of the triangles in parts, a part a leaf, and the second half whole.
-fn in_parts(triangles: &[FlatTriangle], parts: u32) -> Bvh {
+pub(crate) fn in_parts(triangles: &[FlatTriangle], parts: u32) -> Bvh {
     let mut leaves: Vec<(Aabb, FlatTriangle)> = Vec::new();
     for (index, triangle) in triangles.iter().enumerate() {
         let parts = if index < triangles.len() / 2 { parts } else { 1 };

@@ -1,10 +1,12 @@
 //! The restart trail against the full stack, event by event, for points. Equal answers alone would not show a trail
 //! that goes wrong, so the order of nodes is looked at, and trails with known faults must be found out.
 
+use crate::splits::in_parts;
 use ropewalk::bvh::walk::{ArrayTrail, BvhWalk, Ordered, RestartTrail, TrailU32, TrailU64};
+use ropewalk::glam::{DQuat, DVec3};
 use ropewalk::point::{CollectPoints, KeepClosest, KeepNearest, PointVisitor, PreparedPoint};
 use ropewalk::{BuildOptions, Builder, Bvh, ClosestPoint, Mesh, NoProbe, PointQuery, Scene};
-use ropewalk_testkit::faulty_trail::{Faulty, NO_POP_LEVEL, PRINTED_CLEARING};
+use ropewalk_testkit::faulty_trail::{Faulty, LAST_POP_LEVEL, NO_POP_LEVEL, PRINTED_CLEARING};
 use ropewalk_testkit::meshes;
 use ropewalk_testkit::points::{around, awkward};
 use ropewalk_testkit::recorder::{Events, Fault, Recorder};
@@ -112,6 +114,39 @@ fn an_unlimited_short_stack_is_the_full_stack() {
             assert_eq!(record(&bvh, RestartTrail::<ArrayTrail, 64>::new(64), query, 1), full, "{name}");
         }
     }
+}
+
+/// Leaning splinters in parts, a part a leaf: the point that a part's triangle has may be nearer than the part's box.
+fn splinters_in_parts() -> (Bvh, Vec<PointQuery>) {
+    let lean = DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7).normalize();
+    let mesh = meshes::mapped(meshes::soup(400, 0.4, 21), |point| lean * (point * DVec3::new(8.0, 0.5, 0.5)));
+    let scene = Scene::from_mesh(mesh);
+    let bvh = in_parts(&scene.flatten().unwrap().triangles, 6);
+    assert!(bvh.report().references > bvh.report().triangles);
+    (bvh, around(&scene.bounds(), 600, 6))
+}
+
+/// The paper's memory of the last pop alone is not enough there.
+#[test]
+fn with_spatial_splits_every_far_level_counts() {
+    let (bvh, queries) = splinters_in_parts();
+    let (mut twice, mut others) = (0, 0);
+    for query in &queries {
+        for k in [1, 3] {
+            for room in [0, 1, 2, 4] {
+                let found = [
+                    faults(&bvh, RestartTrail::<ArrayTrail>::new(room), query, k),
+                    faults(&bvh, RestartTrail::<TrailU64>::new(room), query, k),
+                ];
+                assert_eq!(found, [[]; 2], "{room} entries, k = {k}, {query:?}");
+            }
+            let last = faults(&bvh, RestartTrail::<Faulty<LAST_POP_LEVEL>>::new(0), query, k);
+            twice += usize::from(last.contains(&Fault::LeafTwice));
+            others += usize::from(last.contains(&Fault::AnotherAnswer));
+        }
+    }
+    println!("{twice} searches enter a leaf twice, {others} answer otherwise");
+    assert!(twice > 0 && others == 0, "{twice} {others}");
 }
 
 #[test]

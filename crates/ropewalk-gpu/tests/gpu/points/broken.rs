@@ -86,7 +86,7 @@ const TRAIL: &[Damage] = &[
     ("walk/walk_bvh_restart_trail", "far.entry <= limit_of(collect)", "true"),
     ("walk/walk_bvh_restart_trail", "let hit_a = is_hit(a);", "let hit_a = a.entry < a.exit;"),
     ("walk/walk_bvh_restart_trail", "let hit_b = is_hit(b);", "let hit_b = b.entry < b.exit;"),
-    ("walk/walk_bvh_restart_trail", "else if is_pop_level(&trail)", "else if false"),
+    ("walk/walk_bvh_restart_trail", "else if is_far_level(&trail)", "else if false"),
     ("walk/walk_bvh_restart_trail", "set_single(&trail);", ""),
     ("walk/walk_bvh_restart_trail", "if !near_done {", "if true {"),
     ("walk/walk_bvh_restart_trail", "second_is_near != near_done", "second_is_near"),

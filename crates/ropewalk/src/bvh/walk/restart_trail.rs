@@ -9,6 +9,12 @@
 //! * near and far depend on the seeker and the boxes alone, never on what has been found; the first child is near at a
 //!   tie. What is found only lowers the limit, so the near child is culled no sooner than the far one;
 //! * culling is closed (`entry <= t_max`): a parent of a hit is never culled behind it;
+//! * **far levels**: where one child is hit of a node whose near child was finished by a pop, the hits since then cull the
+//!   far one, and the node is finished. The paper remembers the level of the last pop alone. That is enough while no hit
+//!   culls a box on the way to it. With spatial splits one can: a leaf holds a part of a triangle, of which another part
+//!   is nearer, and then a restart meets far levels above the last one whose far child is culled. With the last level
+//!   alone 250 leaves were entered again around the dragon (100,000 closest points, no stack, SBVH), so a register
+//!   marks them all;
 //! * an entry that is culled when it is popped has its bit of the trail like one that is visited, so each discarded
 //!   entry is followed by its own update of the trail. With a stack that never drops anything, the sequence of nodes
 //!   is that of [`super::Ordered`].
@@ -18,9 +24,9 @@
 //! 31, 64 bits of depth 63, the array any depth up to [`MAX_DEPTH`].
 //!
 //! Without a stack about 1.6 to 3.2 times the inner visits of a full stack, with one entry 1.1 to 1.7, with three at
-//! most 1.14: `ropewalk lab restart-trail` measures it. Points pay more, 1.4 to 7.5 times without a stack
-//! (`ropewalk lab closest-point`): "closest-point and kNN searches" are the paper's second piece of future work. The
-//! twin is `walk_bvh_restart_trail.wgsl`.
+//! most 1.14: `ropewalk lab restart-trail` measures it. Points pay more: around the Stanford bunny and dragon 7.5 to 10.7
+//! times without a stack and 1.5 to 1.7 with four entries (`ropewalk lab closest-point`); "closest-point and kNN
+//! searches" are the paper's second piece of future work. The twin is `walk_bvh_restart_trail.wgsl`.
 
 use super::ordered::Entry;
 use super::short_stack::ShortStack;
@@ -63,8 +69,8 @@ pub trait Trail: Copy {
     fn is_near_done(&self) -> bool;
     /// Notes that the node has one child to visit.
     fn set_single(&mut self);
-    /// Whether the last pop led to this level.
-    fn is_pop_level(&self) -> bool;
+    /// Whether a pop led to the far child at this level: the near one is finished.
+    fn is_far_level(&self) -> bool;
     /// Notes that the current node is finished, and goes up to the level of the next one; whether there is one.
     fn finish(&mut self) -> bool;
     /// Goes to the root, to be led down again.
@@ -76,9 +82,10 @@ pub trait Trail: Copy {
 pub struct ArrayTrail {
     bits: [bool; MAX_DEPTH as usize + 1],
     level: usize,
+    /// The levels at which the far child's turn has come.
+    far: [bool; MAX_DEPTH as usize + 1],
     /// No deeper bit is set.
     deepest: usize,
-    pop_level: usize,
 }
 
 impl Trail for ArrayTrail {
@@ -86,7 +93,8 @@ impl Trail for ArrayTrail {
 
     #[inline(always)]
     fn new() -> Self {
-        Self { bits: [false; MAX_DEPTH as usize + 1], level: 0, deepest: 0, pop_level: usize::MAX }
+        let none = [false; MAX_DEPTH as usize + 1];
+        Self { bits: none, level: 0, far: none, deepest: 0 }
     }
 
     #[inline(always)]
@@ -106,8 +114,8 @@ impl Trail for ArrayTrail {
     }
 
     #[inline(always)]
-    fn is_pop_level(&self) -> bool {
-        self.level == self.pop_level
+    fn is_far_level(&self) -> bool {
+        self.far[self.level]
     }
 
     #[inline(always)]
@@ -116,10 +124,12 @@ impl Trail for ArrayTrail {
             self.level -= 1;
         }
         // Nothing has been visited of the next branch.
-        self.bits[self.level + 1..=self.deepest.max(self.level)].fill(false);
+        let below = self.level + 1..=self.deepest.max(self.level);
+        self.bits[below.clone()].fill(false);
+        self.far[below].fill(false);
         self.bits[self.level] = true;
+        self.far[self.level] = true;
         self.deepest = self.level;
-        self.pop_level = self.level;
         self.level > 0
     }
 
@@ -138,8 +148,8 @@ macro_rules! register_trail {
             trail: $word,
             /// One bit.
             level: $word,
-            /// One bit, or none before the first pop.
-            pop_level: $word,
+            /// The levels at which the far child's turn has come.
+            far: $word,
         }
 
         impl $name {
@@ -151,7 +161,7 @@ macro_rules! register_trail {
 
             #[inline(always)]
             fn new() -> Self {
-                Self { trail: 0, level: Self::SENTINEL, pop_level: 0 }
+                Self { trail: 0, level: Self::SENTINEL, far: 0 }
             }
 
             #[inline(always)]
@@ -170,8 +180,8 @@ macro_rules! register_trail {
             }
 
             #[inline(always)]
-            fn is_pop_level(&self) -> bool {
-                self.level == self.pop_level
+            fn is_far_level(&self) -> bool {
+                self.far & self.level != 0
             }
 
             #[inline(always)]
@@ -180,7 +190,7 @@ macro_rules! register_trail {
                 // top bit cannot happen: the walk is over when the sentinel is set.
                 self.trail = (self.trail & self.level.wrapping_neg()).wrapping_add(self.level);
                 self.level = self.trail & self.trail.wrapping_neg();
-                self.pop_level = self.level;
+                self.far = (self.far & self.level.wrapping_neg()) | self.level;
                 self.trail & Self::SENTINEL == 0
             }
 
@@ -257,7 +267,7 @@ impl<S: Seeker, T: Trail + Sync, const ROOM: usize, const CULL_AT_POP: bool> Bvh
                     }
                     (true, false) | (false, true) => {
                         trail.descend();
-                        if !trail.is_pop_level() {
+                        if !trail.is_far_level() {
                             trail.set_single();
                             current = if a.is_hit() { first } else { second };
                             continue;
