@@ -7,8 +7,9 @@
 
 use ropewalk::bvh::{LeafOrder, MAX_DEPTH, StackOrder};
 use ropewalk::catalogue::{StackMemory, StructureKind, TrailOptions, TrailRegister, is_offered};
+use ropewalk::traversal_list::{Bounds, ChildOrder, Directions, Source};
 use ropewalk::wide_bvh::{Collapse, Width};
-use ropewalk::{BuildOptions, Builder, DeviceKind, Query, StructureSpec, Walk};
+use ropewalk::{BuildOptions, Builder, DeviceKind, ListOptions, Query, StructureSpec, Walk};
 use serde::Serialize;
 
 /// Walks of one name that answer the same queries.
@@ -62,8 +63,13 @@ pub(crate) fn kinds() -> Vec<KindRecord> {
                     vec![width, collapse],
                 )
             }
+            StructureKind::List => {
+                ("traversal lists: elements in the order of the walk, with escape indices", list_keys())
+            }
         };
-        keys.extend(build_keys());
+        if kind != StructureKind::List {
+            keys.extend(build_keys());
+        }
         let tried = StructureSpec::every().into_iter().filter(|spec| spec.kind() == kind);
         KindRecord {
             structure: kind.name(),
@@ -75,13 +81,24 @@ pub(crate) fn kinds() -> Vec<KindRecord> {
     StructureKind::EVERY.into_iter().map(kind).collect()
 }
 
+fn number(key: &'static str, smallest: u32, largest: u32, default: u32) -> KeyRecord {
+    KeyRecord { key, values: format!("{smallest}..{largest}"), default: default.to_string() }
+}
+
+fn list_keys() -> Vec<KeyRecord> {
+    let plain = ListOptions::default();
+    let [least, most] = ListOptions::BIG;
+    vec![
+        choice("source", Source::NAMES, &plain.source),
+        choice("bounds", Bounds::NAMES, &plain.bounds),
+        choice("directions", Directions::NAMES, &plain.directions),
+        choice("order", ChildOrder::NAMES, &plain.order),
+        number("big", least, most, plain.big),
+    ]
+}
+
 fn build_keys() -> [KeyRecord; 7] {
     let plain = BuildOptions::default();
-    let number = |key, smallest: u32, largest: u32, default: u32| KeyRecord {
-        key,
-        values: format!("{smallest}..{largest}"),
-        default: default.to_string(),
-    };
     [
         choice("builder", Builder::NAMES, &plain.builder),
         number("max-leaf", 1, 255, plain.max_leaf),
@@ -147,7 +164,7 @@ pub(crate) fn grouped(
 
 /// Every walk that can be written.
 fn every_walk() -> Vec<Walk> {
-    let mut walks = vec![Walk::BruteForce, Walk::Recursive];
+    let mut walks = vec![Walk::BruteForce, Walk::Recursive, Walk::List];
     walks.extend(StackOrder::NAMES.iter().map(|(_, order)| Walk::Stack(*order)));
     for &(_, memory) in StackMemory::NAMES {
         for &(_, register) in TrailRegister::NAMES {
@@ -185,7 +202,7 @@ fn written(walks: &[Walk]) -> String {
     let Some(first) = walks.first() else { return String::new() };
     let one_by_one = || walks.iter().map(Walk::to_string).collect::<Vec<_>>().join(" ");
     let keys = match first {
-        Walk::BruteForce | Walk::Recursive => Vec::new(),
+        Walk::BruteForce | Walk::Recursive | Walk::List => Vec::new(),
         Walk::Stack(_) => {
             let orders = walks.iter().filter_map(|walk| match walk {
                 Walk::Stack(order) => Some(*order),

@@ -53,6 +53,24 @@ fn the_other_queries_are_written_as_documented() {
     assert_eq!(array(&file, "primitive"), (vec![4], vec![0_u32, 1, 1, 0]));
 }
 
+/// Each structure has a walk of its own when none is named, and refuses those of others with the right ones.
+#[test]
+fn a_structure_is_walked_by_its_best_walk() {
+    let folder = Folder::new();
+    let rays = folder.rays("rays.npy", 6, &RAYS);
+    for structure in ["bvh", "wide-bvh", "list", "list:source=sbvh,bounds=aabb,directions=1"] {
+        run(&trace(&folder, &rays, &format!("--structure {structure} --device cpu"))).success();
+        let file = folder.path("hits.npz");
+        assert_eq!(array(&file, "t"), (vec![3], vec![1.0_f32, 1.0, f32::INFINITY]), "{structure}");
+    }
+    run(&trace(&folder, &rays, "--structure list --walk stack --device cpu"))
+        .failure(2)
+        .mentions("brute-force, list");
+    run(&trace(&folder, &rays, "--walk list --device cpu")).failure(2).mentions("stack:order=ordered");
+    run(&trace(&folder, &rays, "--structure list --device gpu")).failure(2).mentions("try --device cpu");
+    run(&trace(&folder, &rays, "--structure list:directions=3")).failure(2).mentions("1, 2, 6, 8");
+}
+
 #[test]
 fn windows_and_doubles_are_read() {
     let folder = Folder::new();

@@ -70,6 +70,18 @@ pub enum BuildError {
         /// The most that may be asked for.
         largest: usize,
     },
+    /// More of something than 32-bit words can count.
+    #[error(
+        "there are {count} {what}, and {limit} at most can be addressed: split the scene, or build fewer lists"
+    )]
+    TooMany {
+        /// What there are too many of.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many there may be.
+        limit: usize,
+    },
     /// The caller's monitor said stop.
     #[error("the build was cancelled")]
     Cancelled,

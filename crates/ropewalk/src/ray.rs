@@ -177,6 +177,15 @@ impl PreparedRay {
     }
 }
 
+impl PreparedRay {
+    /// Along which axes the ray runs backwards. Not along one to which it is parallel for the slab test.
+    #[inline(always)]
+    #[must_use]
+    pub fn negative(&self) -> [bool; 3] {
+        [self.inverse.x < 0.0, self.inverse.y < 0.0, self.inverse.z < 0.0]
+    }
+}
+
 /// What the slab test takes of a ray.
 struct Slabs {
     low: Vec4,

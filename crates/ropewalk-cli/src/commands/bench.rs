@@ -46,8 +46,9 @@ pub(crate) struct Arguments {
     /// What is built; see `ropewalk list`
     #[arg(long, value_name = "NAME[:key=value,...]", default_value_t)]
     structure: StructureSpec,
-    /// How rays go through it; all measures one walk of each kind; may be given several times
-    #[arg(long, value_name = "WALK|all", default_values_t = [Walks::One(Walk::default())])]
+    /// How rays go through it; all measures one walk of each kind; may be given several times; by default the best for
+    /// the structure
+    #[arg(long, value_name = "WALK|all")]
     walk: Vec<Walks>,
     /// Where to trace: cpu, gpu, gpu:NUMBER or gpu:PART-OF-A-NAME; may be given several times; by default
     /// the CPU, and the graphics card where there is one
@@ -161,7 +162,7 @@ fn is_worth_measuring(walk: Walk) -> bool {
             };
             register == TrailRegister::Auto && sizes.contains(&short_stack)
         }
-        Walk::Recursive | Walk::Stack(_) => true,
+        Walk::Recursive | Walk::Stack(_) | Walk::List => true,
     }
 }
 
@@ -222,7 +223,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 impl Arguments {
     fn settings(&self, all_threads: usize) -> Result<BenchSettings, Failure> {
         let mut walks: Vec<Walk> = Vec::new();
-        for walk in self.walk.iter().flat_map(|walks| walks.each()) {
+        let plain = [Walks::One(self.structure.kind().default_walk())];
+        let asked = if self.walk.is_empty() { &plain[..] } else { &self.walk };
+        for walk in asked.iter().flat_map(|walks| walks.each()) {
             if !walks.contains(&walk) {
                 walks.push(walk);
             }

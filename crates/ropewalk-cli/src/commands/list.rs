@@ -5,8 +5,8 @@ use crate::failure::Failure;
 use crate::families::{Family, KindRecord, families, kinds};
 use crate::output;
 use clap::Args;
+use ropewalk::StructureSpec;
 use ropewalk::catalogue::{self, Row};
-use ropewalk::{StructureSpec, Walk};
 use ropewalk_gpu::AdapterSummary;
 use serde::Serialize;
 use std::fmt::Write;
@@ -117,7 +117,8 @@ fn text(adapters: &[AdapterSummary]) -> String {
         structure(&mut text, kind);
         text.push_str(&walks(&families, kind.structure));
     }
-    let (structure, walk) = (StructureSpec::default(), Walk::default());
+    let structure = StructureSpec::default();
+    let walk = structure.kind().default_walk();
     let _ = writeln!(text, "\nWithout --structure and --walk: {structure} and {walk}");
     let _ = write!(text, "\n{}", listing::text());
     if adapters.is_empty() {

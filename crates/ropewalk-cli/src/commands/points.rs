@@ -78,9 +78,9 @@ pub(crate) struct Arguments {
     /// What is built, such as bvh:max-leaf=8; see `ropewalk list`
     #[arg(long, value_name = "NAME[:key=value,...]", default_value_t)]
     structure: StructureSpec,
-    /// How points go through it, such as restart-trail; see `ropewalk list`
-    #[arg(long, value_name = "NAME[:key=value,...]", default_value_t)]
-    walk: Walk,
+    /// How points go through it, such as restart-trail; see `ropewalk list`; by default the best for the structure
+    #[arg(long, value_name = "NAME[:key=value,...]")]
+    walk: Option<Walk>,
     #[arg(long, value_name = "DEVICE", default_value_t, help = DEVICE_HELP, long_help = DEVICE_LONG_HELP)]
     device: DeviceChoice,
     /// Threads of the CPU; all of them by default
@@ -111,7 +111,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let points = arguments.open_points()?;
     let output = OutputFile::new(&arguments.output)?;
     let device = device_argument::open_checked(&arguments.device, |kind| {
-        arguments.query.check(arguments.structure.kind(), arguments.walk, kind, arguments.k())
+        arguments.query.check(arguments.structure.kind(), arguments.walk(), kind, arguments.k())
     })?;
     threads::run(arguments.threads, || {
         let scene = arguments.scene.load()?;
@@ -138,6 +138,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 impl Arguments {
+    /// The walk that was asked for, or the best for the structure.
+    fn walk(&self) -> Walk {
+        self.walk.unwrap_or(self.structure.kind().default_walk())
+    }
+
     /// Refuses options that the query has no use for: what they were meant to do would not happen.
     fn check(&self) -> Result<(), Failure> {
         let nearest = Question::Search(PointSearch::Nearest);

@@ -64,9 +64,9 @@ pub(crate) struct Arguments {
     /// What is built; see `ropewalk list`
     #[arg(long, value_name = "NAME[:key=value,...]", default_value_t)]
     structure: StructureSpec,
-    /// How rays go through it; see `ropewalk list`
-    #[arg(long, value_name = "NAME[:key=value,...]", default_value_t)]
-    walk: Walk,
+    /// How rays go through it; see `ropewalk list`; by default the best for the structure
+    #[arg(long, value_name = "NAME[:key=value,...]")]
+    walk: Option<Walk>,
     /// From where: auto, frame:..., inside:..., look:..., or a camera of the file; see below
     #[arg(long, value_name = "CAMERA", default_value = "auto")]
     camera: CameraChoice,
@@ -169,7 +169,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let queries =
         if settings.view == View::Shaded { &[Query::Closest, Query::Any][..] } else { &[Query::Closest] };
     let device =
-        device_argument::open(&arguments.device, arguments.structure.kind(), arguments.walk, queries)?;
+        device_argument::open(&arguments.device, arguments.structure.kind(), arguments.walk(), queries)?;
     interrupt::listen()?;
     threads::run(arguments.threads, || {
         let start = Instant::now();
@@ -231,13 +231,18 @@ fn verdict(arguments: &Arguments, picture: &Picture) -> Result<(), Failure> {
 }
 
 impl Arguments {
+    /// The walk that was asked for, or the best for the structure.
+    fn walk(&self) -> Walk {
+        self.walk.unwrap_or(self.structure.kind().default_walk())
+    }
+
     fn settings(&self) -> RenderSettings {
         RenderSettings {
             width: self.size.width,
             height: self.size.height,
             samples: self.samples,
             view: self.view,
-            walk: self.walk,
+            walk: self.walk(),
             camera: self.camera.clone(),
             light: self.light.checked(),
             exposure: self.exposure,

@@ -63,9 +63,9 @@ pub(crate) struct Arguments {
     /// What is built, such as bvh:max-leaf=8; see `ropewalk list`
     #[arg(long, value_name = "NAME[:key=value,...]", default_value_t)]
     structure: StructureSpec,
-    /// How rays go through it, such as stack:order=culled; see `ropewalk list`
-    #[arg(long, value_name = "NAME[:key=value,...]", default_value_t)]
-    walk: Walk,
+    /// How rays go through it, such as stack:order=culled; see `ropewalk list`; by default the best for the structure
+    #[arg(long, value_name = "NAME[:key=value,...]")]
+    walk: Option<Walk>,
     #[arg(long, value_name = "DEVICE", default_value_t, help = DEVICE_HELP, long_help = DEVICE_LONG_HELP)]
     device: DeviceChoice,
     /// Threads of the CPU; all of them by default
@@ -117,6 +117,13 @@ struct Stats {
     deepest_stack: u32,
 }
 
+impl Arguments {
+    /// The walk that was asked for, or the best for the structure.
+    fn walk(&self) -> Walk {
+        self.walk.unwrap_or(self.structure.kind().default_walk())
+    }
+}
+
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.scene.check()?;
@@ -125,7 +132,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let device = device_argument::open(
         &arguments.device,
         arguments.structure.kind(),
-        arguments.walk,
+        arguments.walk(),
         &[arguments.query],
     )?;
     threads::run(arguments.threads, || {
@@ -149,7 +156,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let options = TraceOptions { counters: arguments.stats };
         let start = Instant::now();
         let (traced, device_time) =
-            traceable.trace_timed(arguments.walk, arguments.query, &rays.rows, options)?;
+            traceable.trace_timed(arguments.walk(), arguments.query, &rays.rows, options)?;
         let trace_time = start.elapsed();
         drop(progress);
         complete::check(&traced.status, "rays")?;
@@ -160,7 +167,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             invalid_rays: rays.invalid,
             query: arguments.query.to_string(),
             structure: arguments.structure.to_string(),
-            walk: arguments.walk.to_string(),
+            walk: arguments.walk().to_string(),
             device: traceable.device().to_string(),
             rays_that_hit: traced.answer.rays_that_hit(),
             hits: hit_count(&traced),

@@ -166,10 +166,10 @@ impl Kernel {
     }
 }
 
-/// The file of the walk, and what it needs. A graphics adapter has no brute force and no recursion.
+/// The file of the walk, and what it needs. A graphics adapter has no brute force, no recursion and no lists.
 pub(super) fn with_walk(definitions: Definitions, tree: Tree, walk: Walk, stack_entries: u32) -> Definitions {
     match walk {
-        Walk::BruteForce | Walk::Recursive => definitions,
+        Walk::BruteForce | Walk::Recursive | Walk::List => definitions,
         Walk::Stack(order) => {
             let file = match (tree, order) {
                 (Tree::Wide(_), _) => "walk/walk_wide_bvh_stack",

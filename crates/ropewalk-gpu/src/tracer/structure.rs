@@ -103,8 +103,8 @@ impl GpuStructure {
             }
         };
         let nodes = storage(gpu, "nodes of the structure", bytemuck::cast_slice(nodes), 32)?;
-        let triangles = bytemuck::cast_slice(structure.triangles());
-        let triangles = storage(gpu, "triangles of the structure", triangles, 48)?;
+        let triangles = structure.triangles();
+        let triangles = storage(gpu, "triangles of the structure", bytemuck::cast_slice(&triangles), 48)?;
         let bytes = nodes.size() + triangles.size();
         let bind_group = scoped(gpu.device(), "the bindings of a structure", 0, || {
             gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {

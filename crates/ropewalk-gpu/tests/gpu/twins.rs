@@ -187,7 +187,7 @@ fn nothing_leaves_a_closed_mesh() {
     let structure = sphere();
     let mut random = rays::Random::new(5);
     let mut rays = Vec::new();
-    for triangle in structure.triangles() {
+    for triangle in structure.triangles().iter() {
         let [a, b, c] = triangle.triangle().vertices;
         for target in [a, b, c, a.midpoint(b), b.midpoint(c), a * 0.3 + c * 0.7] {
             let origin = random.vector() * 0.3;

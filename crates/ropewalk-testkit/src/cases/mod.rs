@@ -112,8 +112,11 @@ impl Case {
     /// The trees to ask for a row: its own, one for each depth cap, and chains.
     #[must_use]
     pub fn trees(&self, row: StructureSpec) -> Vec<Tree> {
-        let capped = self.depth_caps.iter().map(|&max_depth| {
-            row.with_build_options(BuildOptions { max_depth, max_leaf: 1, ..*row.build_options() })
+        // Structures that choose their depth themselves have one tree.
+        let caps = if row.build_options().is_some() { self.depth_caps } else { &[] };
+        let capped = caps.iter().map(|&max_depth| {
+            let plain = row.build_options().copied().unwrap_or_default();
+            row.with_build_options(BuildOptions { max_depth, max_leaf: 1, ..plain })
         });
         let built = std::iter::once(row).chain(capped).map(Tree::built);
         built.chain(Tree::chains(row, self.chains)).collect()

@@ -28,9 +28,11 @@ impl Tree {
 
     /// The chains in place of what a structure would be; none for settings that mean nothing to a chain.
     pub(super) fn chains(row: StructureSpec, depths: &'static [u32]) -> impl Iterator<Item = Self> {
-        let options = *row.build_options();
-        let is_plain = BuildOptions { leaf_order: LeafOrder::Split, ..options } == BuildOptions::default();
-        let depths = if is_plain { depths } else { &[] };
+        let options = row.build_options().copied();
+        let is_plain =
+            |options| BuildOptions { leaf_order: LeafOrder::Split, ..options } == BuildOptions::default();
+        let depths = if options.is_some_and(is_plain) { depths } else { &[] };
+        let options = options.unwrap_or_default();
         depths.iter().map(move |&max_depth| {
             let spec = row.with_build_options(BuildOptions { max_depth, max_leaf: 1, ..options });
             Self { spec, is_chain: true }
@@ -46,7 +48,7 @@ impl Tree {
             return self.spec.build(&case.scene, &NoMonitor).map_err(|error| error.to_string());
         }
         let flat = case.scene.flatten().map_err(|error| error.to_string())?;
-        let options = self.spec.build_options();
+        let options = self.spec.build_options().copied().unwrap_or_default();
         debug_assert_eq!(options.builder, Builder::BinnedSah);
         let chain = chain(&flat.triangles, options.max_depth, options.leaf_order)?;
         match self.spec {

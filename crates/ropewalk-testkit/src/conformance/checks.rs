@@ -195,10 +195,15 @@ pub(super) fn structure(structure: &Structure, spec: StructureSpec, case: &Case)
     if report.references != structure.triangles().len() {
         return Err("the report counts references that are not there".into());
     }
-    let options = spec.build_options();
-    references(report, options)?;
-    // That a binary tree has the depth that was asked for; a wide one is no deeper than the tree it is made of.
-    if report.depth > options.max_depth {
+    let of_list = |spec: &StructureSpec| match spec {
+        StructureSpec::List(options) => options.build_options(),
+        _ => None,
+    };
+    // A list from no binary tree may be as deep as its hierarchy likes, and repeats nothing.
+    let options = spec.build_options().copied().or_else(|| of_list(&spec));
+    references(report, &options.unwrap_or_default())?;
+    // That a binary tree has the depth that was asked for; one made of it is no deeper.
+    if let Some(options) = options.filter(|options| report.depth > options.max_depth) {
         return Err(format!("a leaf lies at depth {}, below {}", report.depth, options.max_depth));
     }
     match (structure, spec) {
@@ -208,6 +213,12 @@ pub(super) fn structure(structure: &Structure, spec: StructureSpec, case: &Case)
                 return Err(format!("the nodes have {} children", bvh.width().children()));
             }
             bvh.validate().map_err(|error| error.to_string())
+        }
+        (Structure::List(list), StructureSpec::List(options)) => {
+            if *list.options() != options {
+                return Err("the lists were made otherwise than was asked for".into());
+            }
+            list.validate().map_err(|error| error.to_string())
         }
         _ => Err("another kind of structure was built than was asked for".into()),
     }

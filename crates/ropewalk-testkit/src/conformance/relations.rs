@@ -4,7 +4,7 @@
 //! never do more than the unordered stack; all hits and count do exactly its work, since nothing is culled; before the
 //! first hit culling changes nothing, so any hit is the same with it. Summed over a class of rays sorting does no more
 //! than culling alone, and ordering no more than sorting, up to the few rays that an order misleads. A wide tree is
-//! walked in one order only, the work of all its hits takes the place of the unordered stack's.
+//! walked in one order only, and so is a list: the work of all its hits takes the place of the unordered stack's.
 //!
 //! **Restart trails** (ALGORITHMS L2 to L6, C2), against the ordered stack and the same query. They enter the same
 //! leaves and test the same triangles, whatever the short stack; their stack holds what the full one holds, up to its
@@ -35,7 +35,8 @@ pub fn relations(kind: StructureKind, case: &Case, runs: &[(usize, Row, &Traced)
     let mut runs = Runs { case, runs, wrong: Vec::new() };
     match kind {
         StructureKind::Bvh => runs.stacks(),
-        StructureKind::WideBvh => runs.wide(),
+        StructureKind::WideBvh => runs.in_one_order(ORDERED),
+        StructureKind::List => runs.in_one_order(Walk::List),
     }
     for query in Query::EVERY {
         runs.trails(query);
@@ -96,11 +97,12 @@ impl<'a> Runs<'a> {
         }
     }
 
-    fn wide(&mut self) {
-        let whole = self.of(ORDERED, Query::All);
-        let closest = self.of(ORDERED, Query::Closest);
+    /// What the queries of a walk do of which there is one order only.
+    fn in_one_order(&mut self, walk: Walk) {
+        let whole = self.of(walk, Query::All);
+        let closest = self.of(walk, Query::Closest);
         self.demand(closest, whole, is_no_more, "culling does more than the search for all hits");
-        self.against_whole(ORDERED, whole);
+        self.against_whole(walk, whole);
     }
 
     /// What the other queries do, compared with a walk that culls nothing.

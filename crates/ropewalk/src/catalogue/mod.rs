@@ -41,11 +41,13 @@ pub enum StructureKind {
     Bvh,
     /// [`crate::WideBvh`].
     WideBvh,
+    /// [`crate::TraversalList`].
+    List,
 }
 
 impl StructureKind {
     /// Every kind.
-    pub const EVERY: [Self; 2] = [Self::Bvh, Self::WideBvh];
+    pub const EVERY: [Self; 3] = [Self::Bvh, Self::WideBvh, Self::List];
 
     /// The name on the command line, without its keys.
     #[must_use]
@@ -53,6 +55,18 @@ impl StructureKind {
         match self {
             Self::Bvh => "bvh",
             Self::WideBvh => "wide-bvh",
+            Self::List => "list",
+        }
+    }
+}
+
+impl StructureKind {
+    /// The walk that is meant where none is named: the best there is for all queries on every device that has any.
+    #[must_use]
+    pub const fn default_walk(self) -> Walk {
+        match self {
+            Self::Bvh | Self::WideBvh => Walk::Stack(StackOrder::Ordered),
+            Self::List => Walk::List,
         }
     }
 }
@@ -100,6 +114,9 @@ pub const fn is_offered(structure: StructureKind, walk: Walk, query: Query, devi
     let first_hits = matches!(query, Query::Closest | Query::Any);
     match (device, walk, structure) {
         (DeviceKind::Cpu, Walk::BruteForce, _) => true,
+        // The one walk of lists, on the CPU alone; lists have no other.
+        (DeviceKind::Cpu, Walk::List, StructureKind::List) => true,
+        (_, Walk::List, _) | (_, _, StructureKind::List) => false,
         (DeviceKind::Gpu, Walk::BruteForce | Walk::Recursive, _) => false,
         (_, Walk::Stack(StackOrder::Ordered), _) => true,
         (_, Walk::Recursive | Walk::Stack(_), StructureKind::Bvh) => first_hits,
@@ -166,7 +183,7 @@ mod tests {
     #[test]
     fn a_wrong_word_is_answered_with_the_right_ones() {
         let answer = |text: &str| text.parse::<Walk>().unwrap_err().to_string();
-        assert!(answer("stak").contains("stack, restart-trail, recursive, brute-force"));
+        assert!(answer("stak").contains("stack, restart-trail, list, recursive, brute-force"));
         assert!(answer("restart-trail:short-stack=17").contains("0 to 16"));
         assert!(answer("restart-trail:register=u16").contains("auto, array, u32, u64"));
         assert!(answer("stack:ordre=culled").contains("order"));

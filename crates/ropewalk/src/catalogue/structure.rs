@@ -4,8 +4,10 @@ use super::spec::{Spec, Written, number, pick, unknown};
 use super::{StructureKind, Walk};
 use crate::bvh::{BuildOptions, Builder, Bvh, LeafOrder};
 use crate::error::{BuildError, CatalogueError, TraceError};
+use crate::traversal_list::{Bounds, ChildOrder, Directions, ListOptions, Source, TraversalList};
 use crate::wide_bvh::{Collapse, WideBvh, WideOptions, Width};
 use crate::{BuildReport, FlatTriangle, Monitor, Query, Ray, Scene, TraceOptions, Traced};
+use std::borrow::Cow;
 use std::fmt;
 use std::str::FromStr;
 
@@ -17,6 +19,8 @@ pub enum StructureSpec {
     Bvh(BuildOptions),
     /// A bounding volume hierarchy of 4 or 8 children a node.
     WideBvh(WideOptions),
+    /// Traversal lists.
+    List(ListOptions),
 }
 
 impl Default for StructureSpec {
@@ -32,7 +36,7 @@ impl StructureSpec {
         let plain = BuildOptions::default();
         let sweep = BuildOptions { builder: Builder::SweepSah, reinsertion: 3, ..plain };
         let sbvh = BuildOptions { builder: Builder::Sbvh, ..plain };
-        let wide = WideOptions::default();
+        let (wide, list) = (WideOptions::default(), ListOptions::default());
         vec![
             Self::Bvh(plain),
             Self::Bvh(BuildOptions { leaf_order: LeafOrder::Left, ..plain }),
@@ -40,6 +44,20 @@ impl StructureSpec {
             Self::Bvh(sbvh),
             Self::WideBvh(wide),
             Self::WideBvh(WideOptions { width: Width::Four, collapse: Collapse::Sah, build: sbvh }),
+            Self::List(list),
+            Self::List(ListOptions { bounds: Bounds::Aabb, directions: Directions::One, ..list }),
+            Self::List(ListOptions {
+                source: Source::Sah,
+                directions: Directions::Six,
+                order: ChildOrder::LatestLast,
+                ..list
+            }),
+            Self::List(ListOptions {
+                source: Source::Sbvh,
+                bounds: Bounds::Aabb,
+                directions: Directions::Two,
+                ..list
+            }),
         ]
     }
 
@@ -49,24 +67,27 @@ impl StructureSpec {
         match self {
             Self::Bvh(_) => StructureKind::Bvh,
             Self::WideBvh(_) => StructureKind::WideBvh,
+            Self::List(_) => StructureKind::List,
         }
     }
 
-    /// The options of the builder of the binary tree that the structure is, or is made of.
+    /// The options of the builder of the binary tree that the structure is, or is made of, where they can be chosen.
     #[must_use]
-    pub const fn build_options(&self) -> &BuildOptions {
+    pub const fn build_options(&self) -> Option<&BuildOptions> {
         match self {
-            Self::Bvh(options) => options,
-            Self::WideBvh(options) => &options.build,
+            Self::Bvh(options) => Some(options),
+            Self::WideBvh(options) => Some(&options.build),
+            Self::List(_) => None,
         }
     }
 
-    /// The same structure over another binary tree.
+    /// The same structure over another binary tree, where that can be chosen.
     #[must_use]
     pub const fn with_build_options(self, build: BuildOptions) -> Self {
         match self {
             Self::Bvh(_) => Self::Bvh(build),
             Self::WideBvh(options) => Self::WideBvh(WideOptions { build, ..options }),
+            Self::List(_) => self,
         }
     }
 
@@ -78,6 +99,7 @@ impl StructureSpec {
         match self {
             Self::Bvh(options) => Ok(Structure::Bvh(scene.build_monitored(options, monitor)?)),
             Self::WideBvh(options) => Ok(Structure::WideBvh(scene.build_wide_monitored(options, monitor)?)),
+            Self::List(options) => Ok(Structure::List(scene.build_list_monitored(options, monitor)?)),
         }
     }
 }
@@ -124,6 +146,16 @@ impl fmt::Display for StructureSpec {
                     .chosen("collapse", &options.collapse, &plain.collapse, Collapse::NAMES);
                 build_keys(written, &options.build).under("wide-bvh")
             }
+            Self::List(options) => {
+                let plain = ListOptions::default();
+                Written::default()
+                    .chosen("source", &options.source, &plain.source, Source::NAMES)
+                    .chosen("bounds", &options.bounds, &plain.bounds, Bounds::NAMES)
+                    .chosen("directions", &options.directions, &plain.directions, Directions::NAMES)
+                    .chosen("order", &options.order, &plain.order, ChildOrder::NAMES)
+                    .changed("big", options.big, plain.big)
+                    .under("list")
+            }
         })
     }
 }
@@ -158,7 +190,24 @@ impl FromStr for StructureSpec {
                 }
                 Ok(Self::WideBvh(options))
             }
-            name => Err(unknown("structure", name, &["bvh", "wide-bvh"])),
+            "list" => {
+                let mut options = ListOptions::default();
+                for (key, value) in spec.options {
+                    match key {
+                        "source" => options.source = pick(key, value, Source::NAMES)?,
+                        "bounds" => options.bounds = pick(key, value, Bounds::NAMES)?,
+                        "directions" => options.directions = pick(key, value, Directions::NAMES)?,
+                        "order" => options.order = pick(key, value, ChildOrder::NAMES)?,
+                        "big" => options.big = number(key, value)?,
+                        _ => {
+                            let right = ["source", "bounds", "directions", "order", "big"];
+                            return Err(unknown("key of the structure list", key, &right));
+                        }
+                    }
+                }
+                Ok(Self::List(options))
+            }
+            name => Err(unknown("structure", name, &["bvh", "wide-bvh", "list"])),
         }
     }
 }
@@ -171,6 +220,8 @@ pub enum Structure {
     Bvh(Bvh),
     /// A bounding volume hierarchy of 4 or 8 children a node.
     WideBvh(WideBvh),
+    /// Traversal lists.
+    List(TraversalList),
 }
 
 impl Structure {
@@ -180,6 +231,7 @@ impl Structure {
         match self {
             Self::Bvh(_) => StructureKind::Bvh,
             Self::WideBvh(_) => StructureKind::WideBvh,
+            Self::List(_) => StructureKind::List,
         }
     }
 
@@ -197,6 +249,7 @@ impl Structure {
         match self {
             Self::Bvh(bvh) => bvh.trace(walk, query, rays, options),
             Self::WideBvh(bvh) => bvh.trace(walk, query, rays, options),
+            Self::List(list) => list.trace(walk, query, rays, options),
         }
     }
 
@@ -206,6 +259,7 @@ impl Structure {
         match self {
             Self::Bvh(bvh) => bvh.report(),
             Self::WideBvh(bvh) => bvh.report(),
+            Self::List(list) => list.report(),
         }
     }
 
@@ -215,16 +269,18 @@ impl Structure {
         match self {
             Self::Bvh(bvh) => bvh.has_repeats(),
             Self::WideBvh(bvh) => bvh.has_repeats(),
+            Self::List(list) => list.has_repeats(),
         }
     }
 
     /// The triangles, in the order of the leaves; one stands in several places where spatial splits put it into
-    /// several leaves.
+    /// several leaves. Lists have them in pieces, of which they are put together here.
     #[must_use]
-    pub fn triangles(&self) -> &[FlatTriangle] {
+    pub fn triangles(&self) -> Cow<'_, [FlatTriangle]> {
         match self {
-            Self::Bvh(bvh) => bvh.triangles(),
-            Self::WideBvh(bvh) => bvh.triangles(),
+            Self::Bvh(bvh) => Cow::Borrowed(bvh.triangles()),
+            Self::WideBvh(bvh) => Cow::Borrowed(bvh.triangles()),
+            Self::List(list) => Cow::Owned(list.triangles().collect()),
         }
     }
 }

@@ -19,6 +19,8 @@ pub enum Walk {
     Stack(StackOrder),
     /// A loop with a short stack, or none, and a trail that leads back after a restart.
     RestartTrail(TrailOptions),
+    /// On by one element, or by as many as its escape index says.
+    List,
 }
 
 /// Where the restart trail keeps its bits, which also limits how deep a tree may be.
@@ -123,7 +125,7 @@ const fn trail(short_stack: u32, register: TrailRegister, memory: StackMemory) -
 impl Walk {
     /// Every walk, in the settings in which the conformance suite tries it against the oracle. The short stacks of
     /// the sizes between are compared with these.
-    pub const EVERY: [Self; 14] = [
+    pub const EVERY: [Self; 15] = [
         Self::BruteForce,
         Self::Recursive,
         Self::Stack(StackOrder::Unordered),
@@ -138,6 +140,7 @@ impl Walk {
         trail(2, TrailRegister::U32, StackMemory::Private),
         trail(2, TrailRegister::U64, StackMemory::Private),
         trail(4, TrailRegister::Auto, StackMemory::Workgroup),
+        Self::List,
     ];
 
     /// What it is and where it comes from.
@@ -154,6 +157,7 @@ impl Walk {
                 "no stack: one bit a level leads back after each restart (Laine 2010)"
             }
             Self::RestartTrail(_) => "short stack; a trail leads back when it is exhausted (Laine 2010)",
+            Self::List => "no stack: escape indices lead past what is missed (Toczek 2010)",
         }
     }
 
@@ -165,6 +169,7 @@ impl Walk {
             Self::Recursive => "recursive",
             Self::Stack(_) => "stack",
             Self::RestartTrail(_) => "restart-trail",
+            Self::List => "list",
         }
     }
 }
@@ -173,7 +178,7 @@ impl fmt::Display for Walk {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let written = Written::default();
         let written = match self {
-            Self::BruteForce | Self::Recursive => written,
+            Self::BruteForce | Self::Recursive | Self::List => written,
             Self::Stack(order) => match StackOrder::NAMES.iter().find(|(_, it)| it == order) {
                 Some((name, _)) => written.key("order", name),
                 None => written,
@@ -198,6 +203,7 @@ impl FromStr for Walk {
         match spec.name {
             "brute-force" => spec.none("walk").map(|()| Self::BruteForce),
             "recursive" => spec.none("walk").map(|()| Self::Recursive),
+            "list" => spec.none("walk").map(|()| Self::List),
             "stack" => {
                 let mut order = StackOrder::Ordered;
                 for (key, value) in spec.options {
@@ -223,7 +229,9 @@ impl FromStr for Walk {
                 }
                 Ok(Self::RestartTrail(options))
             }
-            name => Err(unknown("walk", name, &["stack", "restart-trail", "recursive", "brute-force"])),
+            name => {
+                Err(unknown("walk", name, &["stack", "restart-trail", "list", "recursive", "brute-force"]))
+            }
         }
     }
 }

@@ -60,8 +60,10 @@ pub(super) struct StructureRecord {
     pub(super) references: usize,
     /// How many more references there are than triangles, as a share of the triangles.
     pub(super) reference_growth: f64,
-    /// Children a node.
-    pub(super) width: usize,
+    /// Children a node, where every node has as much room.
+    pub(super) width: Option<usize>,
+    /// Traversal lists of that many elements each.
+    pub(super) lists: Option<usize>,
     pub(super) nodes: usize,
     pub(super) leaves: usize,
     pub(super) depth: u32,
@@ -138,8 +140,13 @@ impl Document {
                 references: report.references,
                 reference_growth: growth(report),
                 width: match built {
-                    Structure::WideBvh(bvh) => bvh.width().children(),
-                    _ => 2,
+                    Structure::Bvh(_) => Some(2),
+                    Structure::WideBvh(bvh) => Some(bvh.width().children()),
+                    _ => None,
+                },
+                lists: match built {
+                    Structure::List(list) => Some(list.options().directions.lists()),
+                    _ => None,
                 },
                 nodes: report.nodes,
                 leaves: report.leaves,

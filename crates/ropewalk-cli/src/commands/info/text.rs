@@ -74,11 +74,18 @@ impl Defects {
 
 impl StructureRecord {
     fn to_text(&self) -> String {
-        let nodes = if self.width == 2 {
-            format!("{} of which {} leaves", thousands(self.nodes), thousands(self.leaves))
-        } else {
-            let inner = self.nodes.saturating_sub(self.leaves);
-            format!("{} of {} children, and {} leaves", thousands(inner), self.width, thousands(self.leaves))
+        let (inner, leaves) = (self.nodes.saturating_sub(self.leaves), thousands(self.leaves));
+        let nodes = match (self.width, self.lists) {
+            (Some(width), _) if width > 2 => {
+                format!("{} of {width} children, and {leaves} leaves", thousands(inner))
+            }
+            (_, Some(lists)) => {
+                format!(
+                    "{} elements in each of {lists} lists, of which {leaves} triangles",
+                    thousands(self.nodes)
+                )
+            }
+            _ => format!("{} of which {leaves} leaves", thousands(self.nodes)),
         };
         let references = if self.references > self.triangles {
             format!(

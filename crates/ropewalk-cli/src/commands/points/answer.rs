@@ -68,7 +68,7 @@ fn answer_search(
     let (answer, totals, device_time) = match search {
         PointSearch::Closest => {
             let GpuPoints { answers, device_time } =
-                traceable.closest_points_timed(arguments.walk, points, options)?;
+                traceable.closest_points_timed(arguments.walk(), points, options)?;
             complete::check(&answers.status, "points")?;
             let totals = answers.counters.map(|counters| counters.iter().collect());
             (PointsAnswer::Closest(answers.points), totals, device_time)
@@ -106,7 +106,7 @@ fn nearest(
     let (mut totals, mut device_time) = (options.counters.then(CounterTotals::default), None);
     for points in points.chunks(piece(k, traceable.structure().triangles().len())) {
         let GpuPoints { answers, device_time: time } =
-            traceable.nearest_points_timed(arguments.walk, k, points, options)?;
+            traceable.nearest_points_timed(arguments.walk(), k, points, options)?;
         complete::check(&answers.status, "points")?;
         append(&mut lists, &answers.points)?;
         if let Some(totals) = &mut totals {
@@ -143,7 +143,7 @@ fn answer_side(
     let Structure::Bvh(bvh) = structure else {
         // Refused before it was built; said again by the one who knows what to say.
         let device = traceable.device().kind();
-        arguments.query.check(structure.kind(), arguments.walk, device, arguments.k())?;
+        arguments.query.check(structure.kind(), arguments.walk(), device, arguments.k())?;
         return Err(Failure::usage(format!("--query {} needs --structure bvh", arguments.query)));
     };
     let start = Instant::now();

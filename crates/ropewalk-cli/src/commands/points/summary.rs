@@ -89,7 +89,7 @@ impl Summary {
             k: is_nearest.then(|| arguments.k()),
             max_distance: arguments.max_distance,
             structure: arguments.structure.to_string(),
-            walk: arguments.walk.to_string(),
+            walk: arguments.walk().to_string(),
             device: traceable.device().to_string(),
             points_found: answered.answer.found(),
             points_inside: answered.answer.inside(),

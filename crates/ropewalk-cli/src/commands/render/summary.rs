@@ -87,7 +87,7 @@ impl Summary {
             samples: arguments.samples,
             view: picture.view.to_string(),
             structure: arguments.structure.to_string(),
-            walk: arguments.walk.to_string(),
+            walk: arguments.walk().to_string(),
             camera: CameraRecord {
                 position: camera.position.to_array(),
                 forward: camera.forward.to_array(),

@@ -9,11 +9,11 @@
 
 use super::limits::{Choice, Limits};
 use super::part::{Part, halve};
-use super::progress::Progress;
 use super::reference::{Extent, Reference};
 use super::subtree::Subtree;
 use crate::bvh::{BuildOptions, Node};
 use crate::parallel::{join, map_chunks};
+use crate::progress::Progress;
 use crate::{BuildError, Monitor};
 use glam::Vec4;
 

@@ -5,7 +5,6 @@ mod leaf_left;
 mod limits;
 pub(super) mod options;
 mod part;
-mod progress;
 mod reference;
 mod reinsertion;
 mod sbvh;

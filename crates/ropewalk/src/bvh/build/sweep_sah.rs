@@ -12,12 +12,12 @@
 
 use super::limits::{Choice, Limits};
 use super::part::Part;
-use super::progress::Progress;
 use super::reference::{Extent, Reference};
 use super::subtree::Subtree;
 use super::sweep::{SweepSplit, sort, sweep};
 use crate::bvh::{BuildOptions, Node};
 use crate::parallel::join;
+use crate::progress::Progress;
 use crate::{BuildError, Monitor};
 
 /// A node with fewer references is built, with all below it, by one thread.

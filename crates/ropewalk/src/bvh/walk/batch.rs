@@ -4,7 +4,7 @@ use super::{BruteForce, Ordered, Postponed, Recursive, StackOrder, restart_trail
 use crate::batch::{TraceOptions, Traced, Traversal, answer_each};
 use crate::bvh::Bvh;
 use crate::catalogue::{self, StructureKind};
-use crate::{DeviceKind, Hit, Query, Ray, TraceError, Walk};
+use crate::{CatalogueError, DeviceKind, Hit, Query, Ray, TraceError, Walk};
 
 impl Bvh {
     /// Traces a batch by any walk of the catalogue.
@@ -29,6 +29,10 @@ impl Bvh {
             Walk::Stack(StackOrder::Sorted) => self.by(Postponed::<true, true>).trace(query, rays, options),
             Walk::Stack(StackOrder::Ordered) => self.by(Ordered).trace(query, rays, options),
             Walk::RestartTrail(trail) => restart_trail::trace(self, trail, query, rays, options)?,
+            // The catalogue has refused it.
+            Walk::List => {
+                return Err(CatalogueError(format!("the walk '{walk}' goes through lists only")).into());
+            }
         })
     }
 

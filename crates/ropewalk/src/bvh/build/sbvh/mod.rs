@@ -38,11 +38,11 @@ mod spatial;
 
 use super::limits::{Choice, Limits};
 use super::part::{Part, halve};
-use super::progress::Progress;
 use super::reference::Reference;
 use super::subtree::Subtree;
 use crate::bvh::{BuildOptions, Node};
 use crate::parallel::join;
+use crate::progress::Progress;
 use crate::{BuildError, Monitor};
 use object::{ObjectScratch, ObjectSplit};
 use spatial::Grid;

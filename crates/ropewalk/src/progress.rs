@@ -4,7 +4,7 @@ use crate::{BuildError, Monitor};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// How far a build is.
-pub(super) struct Progress<'a> {
+pub(crate) struct Progress<'a> {
     monitor: &'a dyn Monitor,
     total: usize,
     done: AtomicUsize,
@@ -13,17 +13,17 @@ pub(super) struct Progress<'a> {
 
 impl<'a> Progress<'a> {
     /// Of `total` primitives none has found its leaf.
-    pub(super) fn new(monitor: &'a dyn Monitor, total: usize) -> Self {
+    pub(crate) fn new(monitor: &'a dyn Monitor, total: usize) -> Self {
         Self { monitor, total, done: AtomicUsize::new(0), cancelled: AtomicBool::new(false) }
     }
 
     /// Whether all threads should come home.
-    pub(super) fn is_cancelled(&self) -> bool {
+    pub(crate) fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }
 
     /// So many more primitives have found their leaf. Of none the monitor hears nothing: each amount is told once.
-    pub(super) fn add(&self, primitives: usize) {
+    pub(crate) fn add(&self, primitives: usize) {
         if primitives == 0 {
             return;
         }
@@ -34,7 +34,7 @@ impl<'a> Progress<'a> {
     }
 
     /// The end of the build: an error when it was cancelled.
-    pub(super) fn finish(self) -> Result<(), BuildError> {
+    pub(crate) fn finish(self) -> Result<(), BuildError> {
         if self.cancelled.into_inner() { Err(BuildError::Cancelled) } else { Ok(()) }
     }
 }
