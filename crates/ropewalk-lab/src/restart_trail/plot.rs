@@ -12,8 +12,8 @@ pub struct PlotError(String);
 
 /// Pixels of a chart.
 const CHART: (u32, u32) = (640, 420);
-/// Ratios above are not drawn: no correct walk has any.
-const HIGHEST: f64 = 3.4;
+/// How far a chart reaches at least: as far as the bands.
+const LEAST_HEIGHT: f64 = 3.4;
 const LOWEST: f64 = 0.95;
 
 /// A chart for each scene: a line a tree and class of rays, the wanted bands light and the paper's dark behind them.
@@ -52,12 +52,13 @@ fn chart(area: &Area<'_>, rows: &[TrailRow]) -> Result<(), PlotError> {
     let rows: Vec<&TrailRow> = rows.iter().filter(|row| row.device == first.device).collect();
     let size = |row: &TrailRow| row.short_stack.entries().map(f64::from);
     let largest = rows.iter().filter_map(|row| size(row)).fold(1.0, f64::max);
+    let highest = rows.iter().map(|row| 1.03 * row.ratio_inner).fold(LEAST_HEIGHT, f64::max);
     let mut chart = ChartBuilder::on(area)
         .caption(format!("{}: inner visits over the full stack's", first.scene), ("sans-serif", 17))
         .margin(12)
         .x_label_area_size(36)
         .y_label_area_size(46)
-        .build_cartesian_2d(-0.3..largest + 0.3, LOWEST..HIGHEST)
+        .build_cartesian_2d(-0.3..largest + 0.3, LOWEST..highest)
         .map_err(failed)?;
     chart
         .configure_mesh()
@@ -78,7 +79,7 @@ fn chart(area: &Area<'_>, rows: &[TrailRow]) -> Result<(), PlotError> {
         rows.chunk_by(|a, b| (a.builder, a.max_leaf, a.rays) == (b.builder, b.max_leaf, b.rays));
     for comparison in comparisons {
         let points: Vec<(f64, f64)> =
-            comparison.iter().filter_map(|row| Some((size(row)?, row.ratio_inner.min(HIGHEST)))).collect();
+            comparison.iter().filter_map(|row| Some((size(row)?, row.ratio_inner))).collect();
         let Some(head) = comparison.first() else { continue };
         let style = style(head);
         chart.draw_series(LineSeries::new(points.clone(), style)).map_err(failed)?;
@@ -144,6 +145,7 @@ mod tests {
         for word in ["wood", "entries of the short stack", "sweep 4, primary"] {
             assert!(svg.contains(word), "{word}");
         }
+        assert!(svg.contains("\n9.0\n"), "a ratio of 9 is on the chart");
         assert!(plot(&[]).is_err());
     }
 }
