@@ -1,15 +1,17 @@
-//! The catalogue in short: structures by kind, and walks by family with the ranges of their keys.
+//! The catalogue in short: structures by kind with their keys (`keys`), and walks by family with the ranges of theirs.
 //!
 //! The catalogue has hundreds of rows, most of which differ in one number. Here all walks of one name that answer the
 //! same queries on the same devices stand in one line, such as `restart-trail[:short-stack=0..16,register=auto|u64]`.
 //! Every setting that can be written is asked for, not only those that the conformance suite tries, so a line says
 //! neither more nor less than what is offered.
 
-use ropewalk::bvh::{LeafOrder, MAX_DEPTH, StackOrder};
+mod keys;
+
+pub(crate) use keys::{KeyRecord, KindRecord, kinds};
+
+use ropewalk::bvh::StackOrder;
 use ropewalk::catalogue::{StackMemory, StructureKind, TrailOptions, TrailRegister, is_offered};
-use ropewalk::traversal_list::{Bounds, ChildOrder, Directions, Source};
-use ropewalk::wide_bvh::{Collapse, Width};
-use ropewalk::{BuildOptions, Builder, DeviceKind, ListOptions, Query, StructureSpec, Walk};
+use ropewalk::{DeviceKind, Query, Walk};
 use serde::Serialize;
 
 /// Walks of one name that answer the same queries.
@@ -28,92 +30,6 @@ pub(crate) struct Family {
     /// The walks one by one.
     #[serde(skip)]
     pub(crate) walks: Vec<Walk>,
-}
-
-/// A kind of structure and how it is written.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct KindRecord {
-    pub(crate) structure: &'static str,
-    /// What it is.
-    pub(crate) about: &'static str,
-    /// Its keys with their values, and the value that each has when it is left out.
-    pub(crate) keys: Vec<KeyRecord>,
-    /// The settings in which the conformance suite tries it.
-    pub(crate) tried: Vec<String>,
-}
-
-/// A key of a structure.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct KeyRecord {
-    pub(crate) key: &'static str,
-    pub(crate) values: String,
-    pub(crate) default: String,
-}
-
-/// Every kind of structure.
-pub(crate) fn kinds() -> Vec<KindRecord> {
-    let kind = |kind: StructureKind| {
-        let (about, mut keys) = match kind {
-            StructureKind::Bvh => ("a binary bounding volume hierarchy", Vec::new()),
-            StructureKind::WideBvh => {
-                let width = choice("width", Width::NAMES, &Width::default());
-                let collapse = choice("collapse", Collapse::NAMES, &Collapse::default());
-                (
-                    "a bounding volume hierarchy of 4 or 8 children a node, collapsed from a binary one",
-                    vec![width, collapse],
-                )
-            }
-            StructureKind::List => {
-                ("traversal lists: elements in the order of the walk, with escape indices", list_keys())
-            }
-        };
-        if kind != StructureKind::List {
-            keys.extend(build_keys());
-        }
-        let tried = StructureSpec::every().into_iter().filter(|spec| spec.kind() == kind);
-        KindRecord {
-            structure: kind.name(),
-            about,
-            keys,
-            tried: tried.map(|spec| spec.to_string()).collect(),
-        }
-    };
-    StructureKind::EVERY.into_iter().map(kind).collect()
-}
-
-fn number(key: &'static str, smallest: u32, largest: u32, default: u32) -> KeyRecord {
-    KeyRecord { key, values: format!("{smallest}..{largest}"), default: default.to_string() }
-}
-
-fn list_keys() -> Vec<KeyRecord> {
-    let plain = ListOptions::default();
-    let [least, most] = ListOptions::BIG;
-    vec![
-        choice("source", Source::NAMES, &plain.source),
-        choice("bounds", Bounds::NAMES, &plain.bounds),
-        choice("directions", Directions::NAMES, &plain.directions),
-        choice("order", ChildOrder::NAMES, &plain.order),
-        number("big", least, most, plain.big),
-    ]
-}
-
-fn build_keys() -> [KeyRecord; 7] {
-    let plain = BuildOptions::default();
-    [
-        choice("builder", Builder::NAMES, &plain.builder),
-        number("max-leaf", 1, 255, plain.max_leaf),
-        number("max-depth", 1, MAX_DEPTH, plain.max_depth),
-        number("bins", 2, BuildOptions::MAX_BINS as u32, plain.bins),
-        number("duplication", 0, BuildOptions::MAX_DUPLICATION, plain.duplication),
-        number("reinsertion", 0, BuildOptions::MAX_REINSERTION, plain.reinsertion),
-        choice("leaf-order", LeafOrder::NAMES, &plain.leaf_order),
-    ]
-}
-
-fn choice<T: PartialEq>(key: &'static str, names: &[(&str, T)], default: &T) -> KeyRecord {
-    let default = names.iter().find(|(_, value)| value == default).map_or("", |(name, _)| name);
-    let values: Vec<&str> = names.iter().map(|(name, _)| *name).collect();
-    KeyRecord { key, values: values.join("|"), default: default.into() }
 }
 
 /// Every family of every kind of structure, in the catalogue's order.
@@ -348,44 +264,5 @@ mod tests {
         );
         let text = "restart-trail:short-stack=3 restart-trail:short-stack=5";
         assert_eq!(written(&[trail(3), trail(5)]), text);
-    }
-
-    /// The keys are written with values that the program takes, and with no others.
-    #[test]
-    fn keys_take_the_values_that_they_say() {
-        for kind in kinds() {
-            for key in &kind.keys {
-                let parse =
-                    |value: &str| format!("{}:{}={value}", kind.structure, key.key).parse::<StructureSpec>();
-                let values: Vec<&str> = match key.values.split_once("..") {
-                    Some((from, to)) => vec![from, to],
-                    None => key.values.split('|').collect(),
-                };
-                for value in values {
-                    assert!(parse(value).is_ok(), "{} {}={value}", kind.structure, key.key);
-                }
-                assert_eq!(parse(&key.default), kind.structure.parse(), "{}", key.key);
-            }
-            let wrong = format!("{}:colour=red", kind.structure).parse::<StructureSpec>().unwrap_err();
-            for key in &kind.keys {
-                assert!(wrong.to_string().contains(key.key), "{wrong} lacks {}", key.key);
-            }
-        }
-    }
-
-    /// A build refuses what lies beyond the ends that are shown.
-    #[test]
-    fn ranges_end_where_builders_refuse() {
-        let scene = ropewalk::Scene::default();
-        for key in build_keys() {
-            let Some((from, to)) = key.values.split_once("..") else { continue };
-            let (from, to): (u32, u32) = (from.parse().unwrap(), to.parse().unwrap());
-            let builds = |value: u32| {
-                let spec: StructureSpec = format!("bvh:{}={value}", key.key).parse().unwrap();
-                spec.build(&scene, &ropewalk::NoMonitor).is_ok()
-            };
-            assert!(builds(from) && builds(to) && !builds(to + 1), "{}", key.key);
-            assert!(from == 0 || !builds(from - 1), "{}", key.key);
-        }
     }
 }

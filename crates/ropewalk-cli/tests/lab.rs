@@ -112,6 +112,61 @@ fn closest_points_are_the_same_on_an_adapter() {
 }
 
 #[test]
+fn traversal_lists_are_compared_option_by_option() {
+    let folder = Folder::new();
+    let target = folder.text("tables");
+    let few = "--view 16 --frustum-grid 4 --rounds 0";
+    let document =
+        run(&format!("lab traversal-lists builtin:cubes --json -o {target} {few}")).success().json();
+    assert!(document["command"].as_str().unwrap().starts_with("ropewalk lab traversal-lists"));
+    // The scene's own ground makes place for the one that all scenes have.
+    assert_eq!(document["scenes"][0]["triangles"], 220);
+    assert!(document["scenes"][0]["brute_force_rays"].as_u64().unwrap() > 6 * 16 * 16);
+    let rows = document["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), (2 * 7 + 16 + 2 + 4) * 3, "four tables, three classes of rays");
+    for row in rows {
+        for field in ["scene", "source", "bounds", "cull", "heads", "rays", "device", "table", "setting"] {
+            assert!(row[field].is_string(), "{field}: {row}");
+        }
+        for field in ["triangles", "frustum_grid", "elements_per_ray", "culled_share", "list_bytes"] {
+            assert!(row[field].is_number(), "{field}: {row}");
+        }
+        assert!(row["fps"].is_null() && row["rays_per_s"].is_null(), "nothing was timed");
+        assert_eq!(row["triangles"], if row["ground"] == true { 222 } else { 220 });
+        if row["walk"] == "list" {
+            assert!(row["directions"].is_u64() && row["order"].is_string(), "{row}");
+            assert_eq!(row["list_bytes"].as_u64().unwrap(), 20 * row["elements"].as_u64().unwrap());
+        }
+    }
+    let file = |ending: &str| std::fs::read_to_string(format!("{target}/traversal-lists.{ending}")).unwrap();
+    for ending in ["json", "csv", "md", "svg"] {
+        assert!(file(ending).contains("builtin:cubes"), "{ending}");
+    }
+    assert_eq!(file("csv").lines().count(), rows.len() + 1);
+}
+
+#[test]
+fn frames_of_traversal_lists_are_timed_and_copies_too() {
+    let few = "--view 8 --frustum-grid 2 --frame 16 --rounds 1 --table columns --table best";
+    let line = format!("lab traversal-lists builtin:cubes {few}");
+    let text = run(&line).success().out;
+    for part in
+        ["### On cpu", "Lists and options (on the ground)", "Table 3", "### Memory", "| ordered stack |"]
+    {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let document = run(&format!("{line} --json")).success().json();
+    let rows = document["rows"].as_array().unwrap();
+    let timed = rows.iter().filter(|row| row["rays"] == "frame");
+    assert_eq!(timed.clone().count(), 4 + 4);
+    assert!(timed.clone().all(|row| row["fps"].as_f64().unwrap() > 0.0));
+    let of_paper: Vec<_> = timed.filter(|row| row["paper_fps"].is_number()).collect();
+    assert_eq!(of_paper.len(), 1, "the paper has six lists with all options");
+    assert_eq!(of_paper[0]["paper_fps"], 31.36);
+    assert_eq!(document["copies"].as_array().unwrap().len(), 4);
+}
+
+#[test]
 fn tables_are_printed_and_rates_measured() {
     let line = "lab restart-trail builtin:cubes --short-stack 0 --class primary --rays 100 --rounds 1";
     let text = run(line).success().out;
@@ -140,6 +195,11 @@ fn wrong_words_are_answered_with_the_right_ones() {
         ("closest-point --device cuda", "auto, cpu, gpu"),
         ("closest-point --duplication 500 builtin:cubes --rounds 0 --points 10", "400"),
         ("closest-point builtin:pyramids", "assembly"),
+        ("traversal-lists --table 1", "table-1"),
+        ("traversal-lists --frustum-grid 65", "1..=64"),
+        ("traversal-lists --view 0", "1..=512"),
+        ("traversal-lists --brute-force 0", "1..=100000"),
+        ("traversal-lists --builder sweep", "--builder"),
     ] {
         run(&format!("lab {words}")).failure(2).mentions(right);
     }
@@ -149,7 +209,7 @@ fn wrong_words_are_answered_with_the_right_ones() {
 fn a_folder_that_cannot_be_made_is_known_before_the_work() {
     let folder = Folder::new();
     let file = folder.write("file", "in the way");
-    for experiment in ["restart-trail", "closest-point"] {
+    for experiment in ["restart-trail", "closest-point", "traversal-lists"] {
         run(&format!("lab {experiment} builtin:cubes -o {file}/below")).failure(1).mentions("cannot be made");
         run(&format!("lab {experiment} {file}.ply")).failure(1).mentions("file.ply");
     }

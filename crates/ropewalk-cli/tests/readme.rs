@@ -43,17 +43,28 @@ fn table(list: &Value) -> String {
             word(&family["about"])
         );
     }
-    text += "\n| structure | keys, with the value that is taken when one is left out | tried by the conformance suite as |\n";
-    text += "|---|---|---|\n";
-    for kind in list["structures"].as_array().expect("a list") {
-        let key = |key: &Value| {
-            let [name, values, default] = ["key", "values", "default"].map(|part| word(&key[part]));
-            format!("`{name}={values}` ({default})")
-        };
-        let keys: Vec<String> = kind["keys"].as_array().expect("a list").iter().map(key).collect();
+    text += "\n| structure | key | when it is left out | what it means |\n|---|---|---|---|\n";
+    let kinds = list["structures"].as_array().expect("a list");
+    let keys_of = |kind: &Value| kind["keys"].as_array().expect("a list").clone();
+    for (index, kind) in kinds.iter().enumerate() {
+        let name = word(&kind["structure"]);
+        // What a kind before it has as well stands there.
+        let known = |key: &Value| kinds[..index].iter().find(|kind| keys_of(kind).contains(key));
+        for key in keys_of(kind).iter().filter(|key| known(key).is_none()) {
+            let [key, values, default, about] =
+                ["key", "values", "default", "about"].map(|part| word(&key[part]));
+            text += &format!("| `{name}` | `{key}={values}` | {default} | {about} |\n");
+        }
+        if let Some(other) = keys_of(kind).iter().find_map(known) {
+            text += &format!("| `{name}` | all keys of `{}` | | |\n", word(&other["structure"]));
+        }
+    }
+    text += "\n| structure | what it is | tried by the conformance suite as |\n|---|---|---|\n";
+    for kind in kinds {
         let tried = kind["tried"].as_array().expect("a list").iter();
         let tried: Vec<String> = tried.map(|spec| format!("`{}`", word(spec))).collect();
-        text += &format!("| `{}` | {} | {} |\n", word(&kind["structure"]), keys.join(", "), tried.join(" "));
+        let [name, about] = ["structure", "about"].map(|part| word(&kind[part]));
+        text += &format!("| `{name}` | {about} | {} |\n", tried.join(" "));
     }
     text
 }

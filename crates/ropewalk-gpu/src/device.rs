@@ -1,5 +1,6 @@
 //! One way to trace on either device: choose one, prepare a structure on it, trace.
 
+mod lists;
 mod points;
 
 use crate::adapter::{DeviceChoice, discover, select, summaries};

@@ -100,6 +100,14 @@ pub enum GpuError {
         /// The first such query.
         query: usize,
     },
+    /// The search for a head did not come to its end.
+    #[error(
+        "the device left row {row} of the heads without an answer: its driver cut the search short; build the lists with heads on the CPU (list:heads=regular)"
+    )]
+    NoHead {
+        /// The first such row.
+        row: usize,
+    },
     /// A point query wants more triangles than a kernel's list has room for.
     #[error(
         "k-nearest with k = {k}: a graphics adapter finds the nearest {limit} at most: ask for fewer, or use the device cpu"

@@ -22,8 +22,8 @@
 //! | `tracer` | a structure in buffers, batches in tiles, answers read back |
 //! | `device` | one way to trace, and to ask about points, on either device |
 //!
-//! **Agreement with the CPU.** Every kernel is the twin of a walk in [`ropewalk::bvh::walk`] or
-//! [`ropewalk::wide_bvh::walk`]: same operations, same order. Where a device rounds as IEEE 754 says (lavapipe does), hits and counters are the same to the bit.
+//! **Agreement with the CPU.** Every kernel is the twin of a walk in [`ropewalk::bvh::walk`],
+//! [`ropewalk::wide_bvh::walk`] or [`ropewalk::traversal_list`]: same operations, same order. Where a device rounds as IEEE 754 says (lavapipe does), hits and counters are the same to the bit.
 //! Where it fuses multiplications with additions or divides by an approximate reciprocal, indices agree and `t`
 //! lies within 1e-5 relative, ties aside.
 //!
@@ -47,5 +47,7 @@ pub use adapter::{AdapterSummary, DeviceChoice, adapters};
 pub use device::{Device, OpenedDevice, Traceable};
 pub use error::GpuError;
 pub use gpu::Gpu;
-pub use tracer::{GpuPoints, GpuStructure, GpuTraced, Tracer, TracerOptions};
+pub use tracer::{
+    GpuPoints, GpuStructure, GpuTraced, StructureVersions, Tracer, TracerOptions, UploadReport,
+};
 pub use wgpu;

@@ -25,10 +25,15 @@ pub(crate) fn shader_module(
     //   stack's place wraps at its size. A trail's level is at most the depth of the structure, which is compared with
     //   the register's before a batch is sent. A list of the nearest has no more entries than places. Its results have
     //   as many places a query as the host counts. Sorted children are as many as a node has places.
+    // - The places of elements, vertices and identities come from uploaded lists, whose fields are private too: an escape
+    //   index leads to an element of the same list. A head is compared with the length of its list on the host; which list
+    //   that is depends on signs and on which magnitude is the largest, which no device rounds. The half-spaces of a head's
+    //   row and list are as many as there are places for.
     // - Each loop of a walk counts down the batch's step budget; a leaf's loop ends at its count, a pop loop
     //   at the empty stack, a trail's loops at level 0.
     // - Workgroup memory: each invocation reads what it wrote itself, and nothing else.
-    // - No shader divides integers by anything but constants, or uses ray queries or mesh stages.
+    // - The number of heads a row, by which one kernel divides, is never zero: it is that of lists. Nothing else divides
+    //   integers by anything but constants; no shader uses ray queries or mesh stages.
     // The test suite runs every kernel with the checks as well and demands the same words.
     unsafe {
         device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked())

@@ -4,7 +4,9 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, Scalar, ScalarKind, TypeInner};
 use ropewalk::bvh::StackOrder;
 use ropewalk::{Query, Walk};
-use ropewalk_gpu::shader::{AssemblyError, Definitions, Kernel, PointKernel, ShaderLibrary, Tree};
+use ropewalk_gpu::shader::{
+    AssemblyError, Definitions, HeadKernel, Kernel, PointKernel, ShaderLibrary, Tree,
+};
 use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
 
@@ -40,7 +42,8 @@ fn every_kernel_is_portable() {
     let library = ShaderLibrary::shipped();
     let rays = Kernel::every().into_iter().map(|kernel| (kernel.label(), kernel.source(&library)));
     let points = PointKernel::every().into_iter().map(|kernel| (kernel.label(), kernel.source(&library)));
-    let kernels: Vec<_> = rays.chain(points).collect();
+    let heads = HeadKernel::every().into_iter().map(|kernel| (kernel.label(), kernel.source(&library)));
+    let kernels: Vec<_> = rays.chain(points).chain(heads).collect();
     let labels: HashSet<&str> = kernels.iter().map(|(label, _)| label.as_str()).collect();
     assert_eq!(labels.len(), kernels.len(), "two kernels are called the same");
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
@@ -91,6 +94,7 @@ fn a_shader_of_ones_own_can_import_the_parts() {
         query: Query::Closest,
         counters: false,
         stack_entries: 24,
+        starts: 0,
     };
     let library = ShaderLibrary::shipped().with("own", own);
     let source = library.assemble("own", &kernel.definitions()).unwrap();

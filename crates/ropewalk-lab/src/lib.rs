@@ -7,6 +7,7 @@
 //! | [`mod@comparison`] | what the comparisons of short stacks share |
 //! | [`closest_point`] | whether closest points are right, and what the walks to them cost |
 //! | [`restart_trail`] | what stacklessness costs: the comparison of Laine 2010 |
+//! | [`traversal_lists`] | what lists cost with each of their options: the tables of Toczek et al. 2010 |
 //! | [`machine`] | what a record must say about where it was made |
 //! | [`spread`] | the median of many rounds |
 //!
@@ -20,6 +21,7 @@ pub mod comparison;
 pub mod machine;
 pub mod restart_trail;
 pub mod spread;
+pub mod traversal_lists;
 
 pub use machine::Machine;
 pub use spread::Spread;

@@ -115,6 +115,7 @@ mod tests {
             view,
             material: 0,
             is_ground: false,
+            triangle: None,
         }
     }
 

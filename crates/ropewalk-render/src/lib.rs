@@ -25,6 +25,7 @@
 
 #![forbid(unsafe_code)]
 
+mod begin;
 mod brdf;
 pub mod camera;
 mod error;
@@ -48,6 +49,7 @@ mod tone;
 mod trace;
 mod view;
 
+pub use begin::Begin;
 pub use camera::CameraChoice;
 pub use error::{ImageError, RenderError};
 pub use film::Film;

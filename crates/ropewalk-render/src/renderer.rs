@@ -1,5 +1,6 @@
 //! The render loop: runs of pixels, from the top left, each a batch of primary rays with all that follows.
 
+use crate::begin::Begin;
 use crate::brdf::Finish;
 use crate::camera::{self, Pinhole};
 use crate::error::RenderError;
@@ -14,7 +15,7 @@ use crate::stage::Stage;
 use crate::statistics::Statistics;
 use crate::trace::Trace;
 use crate::view::{self, DATA_BACKGROUND, View};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use ropewalk::{Answer, CounterTotals, Counters, Hit, Query, Ray, Status, TraceOptions};
 use std::ops::{ControlFlow, Range};
@@ -133,21 +134,23 @@ impl<'a> Renderer<'a> {
         let (width, samples, side) =
             (settings.width as usize, settings.samples as usize, settings.samples_per_side());
         let subpixels: Vec<_> = (0..settings.samples).map(|index| sampling::subpixel(index, side)).collect();
-        let rays: Vec<Ray> = (range.start * samples..range.end * samples)
+        let (rays, places): (Vec<Ray>, Vec<Vec2>) = (range.start * samples..range.end * samples)
             .into_par_iter()
             .with_min_len(1024)
             .map(|index| {
                 let (x, y) = column_and_row(index / samples, width);
-                pinhole.ray(glam::Vec2::new(x as f32, y as f32) + subpixels[index % samples])
+                let place = Vec2::new(x as f32, y as f32) + subpixels[index % samples];
+                (pinhole.ray(place), pinhole.part(place))
             })
-            .collect();
+            .unzip();
         statistics.primary_rays += rays.len() as u64;
         statistics.shading_time += clock.elapsed();
         let clock = Instant::now();
         let options = TraceOptions { counters: settings.view == View::Visits };
+        let begin = Begin::AtEye { screen: &pinhole.screen(), places: &places };
         let traced = self
             .tracer
-            .trace_batch(settings.walk, Query::Closest, &rays, options)
+            .trace_begun(settings.walk, Query::Closest, &rays, &begin, options)
             .map_err(RenderError::Trace)?;
         statistics.primary_time += clock.elapsed();
         let counters = traced.counters;

@@ -4,6 +4,7 @@
 //! Everything is done for a whole batch at a time, since a device answers batches: one batch of shadow rays a
 //! light, one of ambient rays a round. The order of the sums is fixed, so the result is too.
 
+use crate::begin::Begin;
 use crate::brdf::Finish;
 use crate::error::RenderError;
 use crate::lights::Lighting;
@@ -126,9 +127,11 @@ impl Shader<'_> {
             })
             .collect();
         let rays: Vec<Ray> = shadow_rays.iter().map(|shadow| shadow.ray).collect();
+        let left = |shadow: &ShadowRay| places[shadow.place as usize].point.triangle;
+        let left: Vec<_> = shadow_rays.iter().map(left).collect();
         statistics.shadow_rays += rays.len() as u64;
         statistics.shading_time += clock.elapsed();
-        let (blocked, status) = self.trace(&rays, statistics)?;
+        let (blocked, status) = self.trace(&rays, &left, statistics)?;
         for ((shadow, blocked), status) in shadow_rays.iter().zip(blocked).zip(status) {
             if let Some(gathered) = gathered.get_mut(shadow.place as usize) {
                 gathered.open += shadow.light;
@@ -151,6 +154,7 @@ impl Shader<'_> {
         let count = rounds * self.samples;
         let reach = AMBIENT_REACH * self.stage.bounds().size().length();
         let mut blocked_rounds = vec![0_u32; places.len()];
+        let left: Vec<_> = places.iter().map(|place| place.point.triangle).collect();
         for round in 0..rounds {
             let clock = Instant::now();
             let rays: Vec<Ray> = places
@@ -169,7 +173,7 @@ impl Shader<'_> {
                 .collect();
             statistics.ambient_rays += rays.len() as u64;
             statistics.shading_time += clock.elapsed();
-            let (blocked, status) = self.trace(&rays, statistics)?;
+            let (blocked, status) = self.trace(&rays, &left, statistics)?;
             for (((sum, gathered), blocked), status) in
                 blocked_rounds.iter_mut().zip(&mut *gathered).zip(blocked).zip(status)
             {
@@ -204,10 +208,11 @@ impl Shader<'_> {
         }
     }
 
-    /// Asks whether anything is in the way of each ray.
+    /// Asks whether anything is in the way of each ray, of which each has left a triangle.
     fn trace(
         &self,
         rays: &[Ray],
+        left: &[Option<(u32, u32, u32)>],
         statistics: &mut Statistics,
     ) -> Result<(Vec<bool>, Vec<Status>), RenderError> {
         if rays.is_empty() {
@@ -216,7 +221,7 @@ impl Shader<'_> {
         let clock = Instant::now();
         let traced = self
             .tracer
-            .trace_batch(self.walk, Query::Any, rays, TraceOptions::default())
+            .trace_begun(self.walk, Query::Any, rays, &Begin::OnTriangles(left), TraceOptions::default())
             .map_err(RenderError::Trace)?;
         statistics.occlusion_time += clock.elapsed();
         match traced.answer {

@@ -22,6 +22,9 @@ pub(crate) struct SurfacePoint {
     pub(crate) material: u32,
     /// Whether this is the added ground.
     pub(crate) is_ground: bool,
+    /// The indices of instance, geometry and primitive, where rays leave from the triangle itself and not from a curved
+    /// surface above it.
+    pub(crate) triangle: Option<(u32, u32, u32)>,
 }
 
 impl Stage {
@@ -69,6 +72,7 @@ impl Stage {
             view,
             material: surface.materials.of(triangle),
             is_ground: self.ground_instance() == Some(hit.instance_index),
+            triangle: (lifted == position).then(|| hit.id()),
         })
     }
 }

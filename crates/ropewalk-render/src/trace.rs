@@ -1,5 +1,6 @@
 //! What the renderer wants of a device: batches of rays answered.
 
+use crate::begin::{self, Begin};
 use ropewalk::{Query, Ray, Structure, TraceOptions, Traced, Walk};
 use ropewalk_gpu::Traceable;
 use std::error::Error;
@@ -17,6 +18,22 @@ pub trait Trace: Sync {
         rays: &[Ray],
         options: TraceOptions,
     ) -> Result<Traced, Box<dyn Error + Send + Sync>>;
+
+    /// Traces a batch of which it is known where its rays begin. The answers are the same; a structure that can make use
+    /// of it finds them sooner.
+    ///
+    /// # Errors
+    /// When the walk does not answer the query here, or the device fails.
+    fn trace_begun(
+        &self,
+        walk: Walk,
+        query: Query,
+        rays: &[Ray],
+        _begin: &Begin<'_>,
+        options: TraceOptions,
+    ) -> Result<Traced, Box<dyn Error + Send + Sync>> {
+        self.trace_batch(walk, query, rays, options)
+    }
 }
 
 impl Trace for Structure {
@@ -29,6 +46,22 @@ impl Trace for Structure {
     ) -> Result<Traced, Box<dyn Error + Send + Sync>> {
         Ok(self.trace(walk, query, rays, options)?)
     }
+
+    fn trace_begun(
+        &self,
+        walk: Walk,
+        query: Query,
+        rays: &[Ray],
+        begin: &Begin<'_>,
+        options: TraceOptions,
+    ) -> Result<Traced, Box<dyn Error + Send + Sync>> {
+        if let (Self::List(list), Walk::List) = (self, walk)
+            && let Some(heads) = begin::heads(list, rays, begin)
+        {
+            return Ok(list.trace_from(query, rays, heads.starts(), options)?);
+        }
+        self.trace_batch(walk, query, rays, options)
+    }
 }
 
 impl Trace for Traceable {
@@ -40,5 +73,21 @@ impl Trace for Traceable {
         options: TraceOptions,
     ) -> Result<Traced, Box<dyn Error + Send + Sync>> {
         Ok(self.trace(walk, query, rays, options)?)
+    }
+
+    fn trace_begun(
+        &self,
+        walk: Walk,
+        query: Query,
+        rays: &[Ray],
+        begin: &Begin<'_>,
+        options: TraceOptions,
+    ) -> Result<Traced, Box<dyn Error + Send + Sync>> {
+        if let (Structure::List(list), Walk::List) = (self.structure(), walk)
+            && let Some(heads) = begin::heads(list, rays, begin)
+        {
+            return Ok(self.trace_from(query, rays, heads.starts(), options)?);
+        }
+        self.trace_batch(walk, query, rays, options)
     }
 }

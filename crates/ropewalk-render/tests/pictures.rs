@@ -6,6 +6,7 @@ mod common;
 
 use common::{build, render, still_life};
 use ropewalk::glam::Vec3;
+use ropewalk::{NoMonitor, StructureSpec, Walk};
 use ropewalk_gpu::{Device, DeviceChoice, adapters};
 use ropewalk_render::{
     CameraChoice, Picture, RenderError, RenderSettings, Renderer, Stage, StageOptions, View, image_file,
@@ -50,6 +51,30 @@ fn the_still_life_looks_as_it_did() {
     for view in View::EVERY {
         check(view.name(), &render(&stage, &structure, &settings(view)));
     }
+}
+
+/// Heads, of the screen and of triangles, and layers change how rays are led and no pixel; what is lit from its front alone
+/// has one side as well as two.
+#[test]
+fn lists_with_heads_draw_the_same_picture() {
+    let stage = Stage::new(still_life(), &StageOptions::default());
+    let settings = RenderSettings { walk: Walk::List, ..settings(View::Shaded) };
+    for keys in
+        ["heads=regular,frustum-grid=8", "heads=simple,bounds=aabb,directions=6,moving=1", "frustum-grid=3"]
+    {
+        let spec: StructureSpec = format!("list:{keys}").parse().unwrap();
+        let structure = spec.build(stage.scene(), &NoMonitor).unwrap();
+        check("shaded", &render(&stage, &structure, &settings));
+    }
+    let visits = |keys: &str| {
+        let structure = format!("list:{keys}").parse::<StructureSpec>().unwrap();
+        let structure = structure.build(stage.scene(), &NoMonitor).unwrap();
+        let settings = RenderSettings { view: View::Visits, ..settings.clone() };
+        let counters = render(&stage, &structure, &settings).statistics.counters.unwrap();
+        counters.inner_visits + counters.primitive_tests
+    };
+    let (whole, cells) = (visits("directions=6"), visits("directions=6,frustum-grid=16"));
+    assert!(cells < whole, "{cells} visits with heads and {whole} without");
 }
 
 #[test]

@@ -87,6 +87,36 @@ pub enum BuildError {
     Cancelled,
 }
 
+/// Why a structure did not follow a scene that moved. It has not changed.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum UpdateError {
+    /// The scene is not buildable.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The lists have left out triangles by their normals.
+    #[error(
+        "the lists leave out what their rays cannot see, which may be seen after a move: build them anew, or with cull=none"
+    )]
+    Culled,
+    /// Triangles have come or gone; one that becomes a line or leaves the range of coordinates is gone, too.
+    #[error(
+        "the structure was built of {was} triangles, and the scene has {is} that can be hit now: build it anew"
+    )]
+    OtherCount {
+        /// How many there were.
+        was: usize,
+        /// How many there are.
+        is: usize,
+    },
+    /// A triangle is another one, or has other vertices.
+    #[error("triangle {number} of the scene is not the one that the structure was built of: build it anew")]
+    OtherTriangle {
+        /// Its number, in the order of instances, geometries and primitives.
+        number: usize,
+    },
+}
+
 /// A structure, walk or query that does not exist, or not in this combination. The text names the ones that do.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("{0}")]

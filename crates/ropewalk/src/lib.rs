@@ -46,7 +46,9 @@ pub use aabb::Aabb;
 pub use batch::{Answer, HitLists, TraceOptions, Traced};
 pub use bvh::{BuildOptions, BuildReport, Builder, Bvh};
 pub use catalogue::{DeviceKind, Structure, StructureKind, StructureSpec, Walk};
-pub use error::{BuildError, CatalogueError, SceneError, TraceError, TransformError, ValidationError};
+pub use error::{
+    BuildError, CatalogueError, SceneError, TraceError, TransformError, UpdateError, ValidationError,
+};
 pub use glam;
 pub use hit::Hit;
 pub use mesh::Mesh;

@@ -13,14 +13,11 @@
 //! **Padding.** The direction is taken over its largest component, so that squares neither overflow nor lose their digits.
 //! With `m` for the distance from the origin to the centre plus the radius, in the sum norm of no more than 3 roundings a
 //! step, the offset from the ray to the centre is off by less than `8 * 2^-24 m`, and a hit's `t` may lie outside of its box
-//! by `4e-7` of itself: together less than `1.7e-6 m`. [`PAD`] is more than twice that.
+//! by `4e-7` of itself: together less than `1.7e-6 m`. [`Sphere::PAD`] is more than twice that.
 
 use crate::aabb::Interval;
 use crate::{Aabb, PreparedRay};
 use glam::{DVec3, Vec3};
-
-/// What is added to radii and taken off entries, as a share of the distance and the radius.
-const PAD: f32 = 4e-6;
 
 /// A ball around some points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +29,9 @@ pub struct Sphere {
 }
 
 impl Sphere {
+    /// What is added to radii and taken off entries, as a share of the distance and the radius.
+    pub const PAD: f32 = 4e-6;
+
     /// The sphere at the middle of the points' box whose radius reaches the farthest of them
     /// (Toczek 2010, section 2.2). `None` when there are no points.
     ///
@@ -52,13 +52,23 @@ impl Sphere {
     /// The smallest sphere about `center` that contains boxes. Rounded outwards.
     #[must_use]
     pub fn about(center: Vec3, boxes: impl Iterator<Item = Aabb>) -> Self {
-        let center_wide = center.as_dvec3();
-        let reach = |bounds: Aabb| {
-            let corner = |corner: Vec3| (corner.as_dvec3() - center_wide).abs();
-            DVec3::max(corner(bounds.min), corner(bounds.max)).length_squared()
-        };
-        let square = boxes.map(reach).fold(0.0, f64::max);
-        Self { center, radius: (square.sqrt() as f32).next_up() }
+        let middle = center.as_dvec3();
+        let away = |corner: Vec3| (corner.as_dvec3() - middle).abs();
+        let farthest = |bounds: Aabb| DVec3::max(away(bounds.min), away(bounds.max)).length_squared();
+        Self::as_far_as(center, boxes.map(farthest))
+    }
+
+    /// The smallest sphere about `center` that contains points, and not their boxes: see [`crate::traversal_list::Reach`].
+    /// Rounded outwards.
+    #[must_use]
+    pub fn about_points(center: Vec3, points: impl Iterator<Item = Vec3>) -> Self {
+        let middle = center.as_dvec3();
+        Self::as_far_as(center, points.map(|point| point.as_dvec3().distance_squared(middle)))
+    }
+
+    /// With a radius that is the root of the largest square, rounded outwards.
+    fn as_far_as(center: Vec3, squares: impl Iterator<Item = f64>) -> Self {
+        Self { center, radius: (squares.fold(0.0, f64::max).sqrt() as f32).next_up() }
     }
 
     /// Where a ray goes through, padded, up to `limit`; not hit where it passes by.
@@ -72,7 +82,7 @@ impl Sphere {
         let offset = Vec3::new(x, y, z);
         let square = along.length_squared();
         let middle = offset.dot(along) / square;
-        let pad = PAD * (offset.abs().element_sum() + self.radius);
+        let pad = Self::PAD * (offset.abs().element_sum() + self.radius);
         let radius = self.radius + pad;
         let distance = (offset - along * middle).length();
         if distance > radius {

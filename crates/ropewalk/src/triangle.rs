@@ -18,7 +18,7 @@
 //! [`FlatTriangle`] is 48 bytes; `shared/triangle.wgsl` holds the twin `intersect_triangle`.
 
 use crate::aabb::{Aabb, larger, slab_span, smaller};
-use crate::ray::PreparedRay;
+use crate::ray::{PARALLEL, PreparedRay};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
@@ -122,6 +122,23 @@ impl FlatTriangle {
     #[inline(always)]
     #[must_use]
     pub fn intersect(&self, ray: &PreparedRay, t_max: f32) -> Option<Hit> {
+        self.hit::<false>(ray, t_max)
+    }
+
+    /// The same for a triangle of one side, which only rays hit that see its front: the same hit to the bit, or `None`.
+    ///
+    /// Two signs must agree on it, that of the edge functions, which is [`Hit::front_face`], and that of the ray's slope
+    /// towards the plane. The first may be noise for rays that almost run in the plane. The second is a sum of products
+    /// of the direction and [`FlatTriangle::normals`]: where each of these products is known not to be negative, so is
+    /// their sum, rounded or not. Lists that leave out what a set of directions cannot see rely on that.
+    #[inline(always)]
+    #[must_use]
+    pub fn intersect_front(&self, ray: &PreparedRay, t_max: f32) -> Option<Hit> {
+        self.hit::<true>(ray, t_max)
+    }
+
+    #[inline(always)]
+    fn hit<const FRONT: bool>(&self, ray: &PreparedRay, t_max: f32) -> Option<Hit> {
         if self.instance_and_mask & ray.mask == 0 {
             return None;
         }
@@ -138,7 +155,13 @@ impl FlatTriangle {
             return None;
         }
         let scale = 1.0 / determinant;
-        let depth = self.depth(ray, (u * a[2] + v * b[2] + w * c[2]) * scale)?;
+        let (distance, normal) = self.plane(ray);
+        let depth = depth(ray, distance, normal, (u * a[2] + v * b[2] + w * c[2]) * scale)?;
+        let seen_from_front = (determinant > 0.0) == ray.forward;
+        let front_face = seen_from_front != self.is_mirrored();
+        if FRONT && !(front_face && self.runs_against(ray, normal)) {
+            return None;
+        }
         // The depth first, in units of the scene, and then `t`: a short direction must not make it overflow.
         let t = depth * ray.shear[2];
         let bounds = self.triangle().bounds();
@@ -151,23 +174,21 @@ impl FlatTriangle {
         if !(t >= ray.t_min && t <= t_max) {
             return None;
         }
-        let seen_from_front = (determinant > 0.0) == ray.forward;
         Some(Hit {
             t,
             barycentrics: Vec2::new(v * scale + 0.0, w * scale + 0.0),
             primitive_index: self.primitive,
             geometry_index: self.geometry(),
             instance_index: self.instance(),
-            front_face: seen_from_front != self.is_mirrored(),
+            front_face,
         })
     }
 
-    /// How far along the axis `kz` the ray meets the triangle's plane. The plane's normal is the cross product of the
-    /// two shorter edges: of a needle's two long ones it would have no right digit. Where the ray runs in the plane
-    /// the depth is `interpolated`, by the weights, whose error is that of a needle's weights times its length. `None`
-    /// where everything overflows.
+    /// The triangle's plane, as a ray sees it: the distance of a vertex from the origin along the normal, and the normal,
+    /// both with the axes in the ray's order. The normal is the cross product of the two shorter edges: of a needle's two
+    /// long ones it would have no right digit.
     #[inline(always)]
-    fn depth(&self, ray: &PreparedRay, interpolated: f32) -> Option<f32> {
+    fn plane(&self, ray: &PreparedRay) -> (f32, Vec3) {
         let [a, b, c] = [&self.v0, &self.v1, &self.v2].map(|vertex| Vec3::from(permute(ray, vertex)));
         let (ab, bc, ca) = (b - a, c - b, a - c);
         let [ab_length, bc_length, ca_length] = [ab, bc, ca].map(Vec3::length_squared);
@@ -178,16 +199,63 @@ impl FlatTriangle {
         } else {
             ab.cross(bc)
         };
-        let distance = normal.dot(a - Vec3::from(permute(ray, &ray.origin)));
-        let slope = normal.dot(Vec3::new(ray.shear[0], ray.shear[1], 1.0));
-        let depth = distance / slope;
-        [depth, interpolated].into_iter().find(|depth| depth.is_finite())
+        (normal.dot(a - Vec3::from(permute(ray, &ray.origin))), normal)
     }
+
+    /// Whether the ray runs against the normal of the front, strictly.
+    #[inline(always)]
+    fn runs_against(&self, ray: &PreparedRay, normal: Vec3) -> bool {
+        let slope = slope(ray, normal);
+        if ray.forward != self.is_mirrored() { slope < 0.0 } else { slope > 0.0 }
+    }
+
+    /// Whether a ray that begins on the triangle leaves it by its front, strictly.
+    #[inline]
+    #[must_use]
+    pub fn is_left_by(&self, ray: &PreparedRay) -> bool {
+        let slope = slope(ray, permute(ray, &self.front().to_array()).into());
+        if ray.forward { slope > 0.0 } else { slope < 0.0 }
+    }
+
+    /// The normal of the front, not of unit length.
+    #[inline]
+    #[must_use]
+    pub fn front(&self) -> Vec3 {
+        let normal = self.triangle().normal();
+        if self.is_mirrored() { -normal } else { normal }
+    }
+
+    /// The normals of the front that [`FlatTriangle::intersect_front`] may go by. In exact numbers they are one.
+    #[must_use]
+    pub fn normals(&self) -> [Vec3; 3] {
+        let [a, b, c] = self.triangle().vertices;
+        let (ab, bc, ca) = (b - a, c - b, a - c);
+        [bc.cross(ca), ca.cross(ab), ab.cross(bc)]
+            .map(|normal| if self.is_mirrored() { -normal } else { normal })
+    }
+}
+
+/// How far a unit along the axis `kz` leads a ray along a normal whose axes are in the ray's order. Along an axis to which the
+/// ray is parallel for the slab test it does not run at all, so that this goes by the same directions as the choice of a
+/// list. The axis `kz` comes last in the sum, and the ray runs along no other more than along it: so the sum is not
+/// negative where the normal's component along `kz` is at least the rounded sum of the others' magnitudes.
+#[inline(always)]
+pub(crate) fn slope(ray: &PreparedRay, normal: Vec3) -> f32 {
+    let along = |shear: f32| if shear.abs() <= PARALLEL { 0.0 } else { shear };
+    normal.dot(Vec3::new(along(ray.shear[0]), along(ray.shear[1]), 1.0))
+}
+
+/// How far along the axis `kz` the ray meets a plane. Where the ray runs in the plane the depth is `interpolated`, by the
+/// weights, whose error is that of a needle's weights times its length. `None` where everything overflows.
+#[inline(always)]
+fn depth(ray: &PreparedRay, distance: f32, normal: Vec3, interpolated: f32) -> Option<f32> {
+    let slope = normal.dot(Vec3::new(ray.shear[0], ray.shear[1], 1.0));
+    [distance / slope, interpolated].into_iter().find(|depth| depth.is_finite())
 }
 
 /// The coordinates in the order `kx`, `ky`, `kz`.
 #[inline(always)]
-fn permute(ray: &PreparedRay, point: &[f32; 3]) -> [f32; 3] {
+pub(crate) fn permute(ray: &PreparedRay, point: &[f32; 3]) -> [f32; 3] {
     let point = [point[0], point[1], point[2], 0.0];
     // The mask lets the compiler see that the index is in range.
     ray.axes.map(|axis| point[usize::from(axis & 3)])
@@ -238,6 +306,27 @@ mod tests {
             let front = hit(&mirrored, ray).unwrap();
             assert!(!front.front_face);
             assert_eq!(front.geometry_index, 2);
+        }
+    }
+
+    /// The front alone, whichever axis the ray goes along, and with a mirroring instance the other side.
+    #[test]
+    fn one_side_is_hit_where_only_one_is_wanted() {
+        let triangle = flat([Vec3::ZERO, Vec3::X, Vec3::Y]);
+        let mirrored = FlatTriangle { geometry_and_mirror: 2 | FlatTriangle::MIRROR, ..triangle };
+        for (triangle, front) in [(triangle, -1.0), (mirrored, 1.0)] {
+            for (x, y) in [(0.0, 0.0), (0.3, -0.2), (-4.0, 1e-30), (1e-25, 9.0)] {
+                let dir = Vec3::new(x, y, front);
+                let from = |dir: Vec3| Ray::new(Vec3::new(0.25, 0.25, 0.0) - dir * 2.0, dir);
+                let seen =
+                    |dir: Vec3| triangle.intersect_front(&PreparedRay::new(&from(dir)).unwrap(), f32::MAX);
+                assert_eq!(seen(dir), hit(&triangle, from(dir)), "{dir}");
+                assert!(seen(dir).is_some() && hit(&triangle, from(-dir)).is_some(), "{dir}");
+                assert_eq!(seen(-dir), None, "{dir}");
+            }
+        }
+        for normal in mirrored.normals() {
+            assert_eq!(normal, Vec3::NEG_Z);
         }
     }
 

@@ -19,7 +19,8 @@ counted here: nothing is dropped silently.
 Examples:
   ropewalk info part.stl
   ropewalk info scene.glb --json
-  ropewalk info scene.glb --structure bvh:max-leaf=1";
+  ropewalk info scene.glb --structure bvh:max-leaf=1
+  ropewalk info scene.glb --structure list:preset=best";
 
 /// The arguments of `ropewalk info`.
 #[derive(Args, Debug)]

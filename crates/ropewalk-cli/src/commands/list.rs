@@ -2,7 +2,7 @@
 
 use super::points::listing;
 use crate::failure::Failure;
-use crate::families::{Family, KindRecord, families, kinds};
+use crate::families::{Family, KeyRecord, KindRecord, families, kinds};
 use crate::output;
 use clap::Args;
 use ropewalk::StructureSpec;
@@ -14,14 +14,16 @@ use std::fmt::Write;
 const EXAMPLES: &str = "\
 Structures and walks are written NAME[:key=value,...], for --structure and
 --walk. In the list, values of a key stand with | or .. between them, and what
-may be left out in brackets. --json lists every single row that the conformance
-suite tries.
+may be left out in brackets; behind a key of a structure stands what it means.
+--json lists every single row that the conformance suite tries.
 
 Examples:
   ropewalk list
   ropewalk list --json
   ropewalk render part.stl --walk restart-trail:short-stack=2 --device gpu:0
-  ropewalk info part.stl --structure wide-bvh:width=4,builder=sbvh";
+  ropewalk info part.stl --structure wide-bvh:width=4,builder=sbvh
+  ropewalk info part.stl --structure list:preset=best
+  ropewalk info part.stl --structure list:directions=6,cull=exact,heads=simple";
 
 /// The arguments of `ropewalk list`.
 #[derive(Args, Debug)]
@@ -114,7 +116,7 @@ fn text(adapters: &[AdapterSummary]) -> String {
         if index > 0 {
             text.push('\n');
         }
-        structure(&mut text, kind);
+        structure(&mut text, kind, &kinds[..index]);
         text.push_str(&walks(&families, kind.structure));
     }
     let structure = StructureSpec::default();
@@ -132,11 +134,20 @@ fn text(adapters: &[AdapterSummary]) -> String {
     text
 }
 
-/// A kind of structure with its keys, and what the conformance suite tries.
-fn structure(text: &mut String, kind: &KindRecord) {
-    let keys = kind.keys.iter().map(|key| format!("{}={} [{}]", key.key, key.values, key.default));
+/// A kind of structure with its keys, and what the conformance suite tries. Keys that kinds before it have as well are not
+/// explained again.
+fn structure(text: &mut String, kind: &KindRecord, before: &[KindRecord]) {
     let _ = writeln!(text, "{}: {}", kind.structure, kind.about);
-    wrapped(text, "  keys [default]:", keys);
+    let known = |key: &KeyRecord| before.iter().find(|kind| kind.keys.contains(key));
+    let of_others: Vec<&str> = kind.keys.iter().filter_map(known).map(|kind| kind.structure).collect();
+    let _ = writeln!(text, "  keys [default]:");
+    for key in kind.keys.iter().filter(|key| known(key).is_none()) {
+        let written = format!("{}={} [{}]", key.key, key.values, key.default);
+        let _ = writeln!(text, "    {written:<49} {}", key.about);
+    }
+    if let Some(other) = of_others.first() {
+        let _ = writeln!(text, "    and all keys of {other}");
+    }
     wrapped(text, "  as it is tried:", kind.tried.iter().cloned());
 }
 
@@ -199,7 +210,8 @@ mod tests {
     #[test]
     fn the_text_is_short_enough_to_be_read() {
         let text = text(&[]);
-        assert!(text.lines().count() < 70, "{} lines", text.lines().count());
+        // Two screens.
+        assert!(text.lines().count() < 90, "{} lines", text.lines().count());
         for line in text.lines() {
             assert!(line.chars().count() <= 120, "{line}");
         }

@@ -9,6 +9,7 @@ use crate::progress::Progress;
 use clap::Args;
 use report::{DeviceRecord, Document, RowRecord};
 use ropewalk::catalogue::{self, Row};
+use ropewalk::traversal_list::Starts;
 use ropewalk::{Query, Ray, Structure, TraceOptions, Traced, Walk};
 use ropewalk_gpu::{Device, DeviceChoice, Gpu, GpuError, Traceable, Tracer};
 use ropewalk_testkit::conformance::{self, Accuracy, Suite};
@@ -62,6 +63,17 @@ impl conformance::Device for Judged {
     ) -> Result<Traced, String> {
         let traceable = self.traceable.as_ref().ok_or("no structure is prepared")?;
         traceable.trace(walk, query, rays, options).map_err(|error| error.to_string())
+    }
+
+    fn trace_from(
+        &mut self,
+        query: Query,
+        rays: &[Ray],
+        starts: Starts<'_>,
+        options: TraceOptions,
+    ) -> Result<Option<Traced>, String> {
+        let traceable = self.traceable.as_ref().ok_or("no structure is prepared")?;
+        traceable.trace_from(query, rays, starts, options).map(Some).map_err(|error| error.to_string())
     }
 }
 

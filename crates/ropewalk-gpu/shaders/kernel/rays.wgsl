@@ -5,7 +5,17 @@
 #import shared/ray
 #import kernel/batch
 
-// RAY_WORDS a ray: nine, and with ALL the place of its first hit and how many it has room for.
+#ifdef STARTS
+// Where the record of the ray has its heads.
+var<private> starts_at: u32;
+
+// The element of its list with which the ray begins in a layer.
+fn load_start(layer: u32) -> u32 {
+    return records[starts_at + layer];
+}
+#endif
+
+// RAY_WORDS a ray: nine, with ALL the place of its first hit and how many it has room for, with STARTS so many heads.
 fn load_ray(index: u32) -> Ray {
     let at = #{RAY_WORDS}u * index;
     return Ray(
@@ -20,6 +30,9 @@ fn load_ray(index: u32) -> Ray {
 fn answer(index: u32) {
     let ray = load_ray(index);
     var collect = new_collect(batch.infinity);
+#ifdef STARTS
+    starts_at = #{RAY_WORDS}u * (index + 1u) - #{STARTS}u;
+#endif
 #ifdef ALL
     collect.first = records[#{RAY_WORDS}u * index + 9u];
     collect.room = records[#{RAY_WORDS}u * index + 10u];

@@ -1,4 +1,5 @@
-// The watertight ray-triangle test: the twin of FlatTriangle::intersect in ropewalk's triangle.rs.
+// The watertight ray-triangle test: the twin of FlatTriangle::intersect in ropewalk's triangle.rs, and with ONE_SIDED that
+// of FlatTriangle::intersect_front.
 // Source: Woop, Benthin, Wald 2013; that t comes from the plane, and that the triangle's own box decides too, is
 //   explained in triangle.rs.
 // Invariants: an edge function depends on the edge alone, not on the triangle that asks: where a device fuses
@@ -36,9 +37,16 @@ fn edge_function(p: vec2<f32>, q: vec2<f32>) -> f32 {
     return select(0.0 - cross, cross, in_order);
 }
 
-// The ray's distance from the triangle's plane along the normal, and the part of it that a unit of the axis kz
-// covers: the quotient is the depth of the hit. The normal is the cross product of the two shorter edges.
-fn plane_distance_and_slope(triangle: Triangle, ray: PreparedRay) -> vec2<f32> {
+struct TrianglePlane {
+    // Of a vertex from the origin, along the normal.
+    distance: f32,
+    // Not of unit length.
+    normal: vec3<f32>,
+}
+
+// The triangle's plane, as a ray sees it: with the axes in the ray's order. The normal is the cross product of the two
+// shorter edges.
+fn triangle_plane(triangle: Triangle, ray: PreparedRay) -> TrianglePlane {
     let a = permute(triangle.v0, ray.kz);
     let b = permute(triangle.v1, ray.kz);
     let c = permute(triangle.v2, ray.kz);
@@ -58,12 +66,21 @@ fn plane_distance_and_slope(triangle: Triangle, ray: PreparedRay) -> vec2<f32> {
         other = ab;
     }
     let normal = cross(one, other);
-    let distance = dot(normal, a - permute(ray.origin, ray.kz));
-    return vec2<f32>(distance, dot(normal, vec3<f32>(ray.shear.xy, 1.0)));
+    return TrianglePlane(dot(normal, a - permute(ray.origin, ray.kz)), normal);
 }
 
+#ifdef ONE_SIDED
+// Whether the ray runs against the normal of the front, strictly. Along an axis to which it is parallel for the slab test
+// it does not run at all.
+fn runs_against(ray: PreparedRay, mirrored: bool, normal: vec3<f32>) -> bool {
+    let along = select(ray.shear.xy, vec2<f32>(0.0), abs(ray.shear.xy) <= vec2<f32>(#{PARALLEL}));
+    let slope = dot(normal, vec3<f32>(along, 1.0));
+    return select(slope > 0.0, slope < 0.0, ray.forward != mirrored);
+}
+#endif
+
 // Whether the ray hits the triangle within [ray.t_min, t_max], ends included; then `hit` is filled in. Both sides
-// are hit.
+// are hit; with ONE_SIDED the front alone.
 fn intersect_triangle(triangle: Triangle, ray: PreparedRay, t_max: f32, hit: ptr<function, Hit>) -> bool {
     if (triangle.instance_and_mask & ray.mask) == 0u {
         return false;
@@ -83,15 +100,24 @@ fn intersect_triangle(triangle: Triangle, ray: PreparedRay, t_max: f32, hit: ptr
         return false;
     }
     let scale = 1.0 / determinant;
-    let plane = plane_distance_and_slope(triangle, ray);
-    var depth = plane.x / plane.y;
-    if plane.y == 0.0 || magnitude_bits(depth) >= 0x7f800000u {
+    let plane = triangle_plane(triangle, ray);
+    let slope = dot(plane.normal, vec3<f32>(ray.shear.xy, 1.0));
+    var depth = plane.distance / slope;
+    if slope == 0.0 || magnitude_bits(depth) >= 0x7f800000u {
         // The ray runs in the plane: by the weights.
         depth = (u * a.z + v * b.z + w * c.z) * scale;
         if magnitude_bits(depth) >= 0x7f800000u {
             return false;
         }
     }
+    let mirrored = (triangle.geometry_and_mirror & #{MIRROR}) != 0u;
+    let seen_from_front = (determinant > 0.0) == ray.forward;
+    let front_face = seen_from_front != mirrored;
+#ifdef ONE_SIDED
+    if !(front_face && runs_against(ray, mirrored, plane.normal)) {
+        return false;
+    }
+#endif
     let low = min(triangle.v0, min(triangle.v1, triangle.v2));
     let high = max(triangle.v0, max(triangle.v1, triangle.v2));
     let span = slab_span(ray, low, high);
@@ -103,8 +129,6 @@ fn intersect_triangle(triangle: Triangle, ray: PreparedRay, t_max: f32, hit: ptr
     if t < ray.t_min || t > t_max {
         return false;
     }
-    let seen_from_front = (determinant > 0.0) == ray.forward;
-    let mirrored = (triangle.geometry_and_mirror & #{MIRROR}) != 0u;
     *hit = Hit(
         t,
         without_negative_zero(v * scale),
@@ -112,7 +136,7 @@ fn intersect_triangle(triangle: Triangle, ray: PreparedRay, t_max: f32, hit: ptr
         triangle.primitive,
         triangle.geometry_and_mirror & ~#{MIRROR},
         triangle.instance_and_mask & 0x00ffffffu,
-        seen_from_front != mirrored,
+        front_face,
     );
     return true;
 }

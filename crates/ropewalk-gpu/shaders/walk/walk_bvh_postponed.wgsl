@@ -34,7 +34,7 @@ fn second_goes_first(first_entry: f32, second_entry: f32) -> bool {
 }
 
 // Leads the ray through the tree; the status of the walk.
-fn walk_bvh(ray: PreparedRay, node_count: u32, step_budget: u32, collect: ptr<function, Collect>) -> u32 {
+fn walk(ray: PreparedRay, node_count: u32, step_budget: u32, collect: ptr<function, Collect>) -> u32 {
     if node_count == 0u {
         return STATUS_COMPLETE;
     }

@@ -8,7 +8,7 @@
 #import shared/status
 
 // Leads the seeker through the tree; the status of the walk.
-fn walk_bvh(seeker: Seeker, node_count: u32, step_budget: u32, collect: ptr<function, Collect>) -> u32 {
+fn walk(seeker: Seeker, node_count: u32, step_budget: u32, collect: ptr<function, Collect>) -> u32 {
     if node_count == 0u {
         return STATUS_COMPLETE;
     }

@@ -14,7 +14,7 @@
 const LAST_SIBLING: u32 = 0x80000000u;
 
 // Leads the ray through the tree; the status of the walk.
-fn walk_bvh(ray: PreparedRay, node_count: u32, step_budget: u32, collect: ptr<function, Collect>) -> u32 {
+fn walk(ray: PreparedRay, node_count: u32, step_budget: u32, collect: ptr<function, Collect>) -> u32 {
     if node_count == 0u {
         return STATUS_COMPLETE;
     }

@@ -1,6 +1,8 @@
 //! The list of all kernels, for the checks of all of them.
 
-use super::kernel::{Kernel, Tree};
+use super::kernel::Kernel;
+use super::list_layout::MOST_LAYERS;
+use super::tree::Tree;
 use ropewalk::bvh::{MAX_DEPTH, StackOrder};
 use ropewalk::catalogue::{StackMemory, TrailOptions, TrailRegister, is_offered};
 use ropewalk::{DeviceKind, Query, Walk};
@@ -17,8 +19,10 @@ impl Kernel {
                         continue;
                     }
                     for stack_entries in stack_sizes(tree, walk) {
-                        for counters in [false, true] {
-                            kernels.push(Self { tree, walk, query, counters, stack_entries });
+                        for starts in starts(tree) {
+                            for counters in [false, true] {
+                                kernels.push(Self { tree, walk, query, counters, stack_entries, starts });
+                            }
                         }
                     }
                 }
@@ -41,13 +45,22 @@ pub(super) fn walks() -> Vec<Walk> {
             }
         }
     }
+    walks.push(Walk::List);
     walks
+}
+
+/// The numbers of layers that rays may have heads for.
+fn starts(tree: Tree) -> std::ops::RangeInclusive<u32> {
+    match tree {
+        Tree::Binary | Tree::Wide(_) => 0..=0,
+        Tree::List { .. } => 0..=MOST_LAYERS as u32,
+    }
 }
 
 /// The stack sizes that a tree can need: one child a level is postponed in a binary one, all but one in a wide one.
 pub(super) fn stack_sizes(tree: Tree, walk: Walk) -> Vec<u32> {
     let most = match (walk, tree) {
-        (Walk::RestartTrail(_), _) => return vec![0],
+        (Walk::RestartTrail(_) | Walk::List, _) | (_, Tree::List { .. }) => return vec![0],
         (_, Tree::Binary) => MAX_DEPTH,
         (_, Tree::Wide(width)) => MAX_DEPTH * (width.children() as u32 - 1),
     };

@@ -2,13 +2,15 @@
 
 use super::assembly::{AssemblyError, Definitions};
 use super::library::ShaderLibrary;
+use super::list_layout;
+use super::tree::Tree;
 use crate::gpu::WORKGROUP_SIZE;
 use ropewalk::bvh::StackOrder;
 use ropewalk::catalogue::{StackMemory, TrailOptions, TrailRegister, is_offered};
-use ropewalk::wide_bvh::Width;
+use ropewalk::traversal_list::{Bounds, NO_HEAD};
 use ropewalk::{
-    DeviceKind, FlatTriangle, Hit, LARGEST_DIRECTION, Query, SMALLEST_DIRECTION, Status, StructureKind,
-    TraceError, Walk, aabb, ray,
+    DeviceKind, FlatTriangle, Hit, LARGEST_DIRECTION, Query, SMALLEST_DIRECTION, Sphere, Status, Walk, aabb,
+    ray,
 };
 
 /// The bind group of a structure: nodes and triangles.
@@ -18,46 +20,6 @@ pub const BATCH_GROUP: u32 = 1;
 /// The bit of a status word that a kernel always sets. Results are zeroed before a run, so that a ray without
 /// the bit is one that no invocation answered.
 pub const STATUS_WRITTEN: u32 = 1 << 31;
-
-/// What a kernel goes through: a structure by its layout.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Tree {
-    /// [`ropewalk::Bvh`].
-    Binary,
-    /// [`ropewalk::WideBvh`].
-    Wide(Width),
-}
-
-impl Tree {
-    /// Every layout.
-    pub const EVERY: [Self; 3] = [Self::Binary, Self::Wide(Width::Four), Self::Wide(Width::Eight)];
-
-    /// The catalogue's name for it.
-    #[must_use]
-    pub const fn kind(self) -> StructureKind {
-        match self {
-            Self::Binary => StructureKind::Bvh,
-            Self::Wide(_) => StructureKind::WideBvh,
-        }
-    }
-
-    /// The walk as a kernel has it: with a register that goes through a tree of this depth, and with no choice left
-    /// that would make no difference.
-    ///
-    /// # Errors
-    /// When a register is prescribed that is too small.
-    pub fn resolve(self, walk: Walk, depth: u32) -> Result<Walk, TraceError> {
-        let Walk::RestartTrail(options) = walk else { return Ok(walk) };
-        let register = match self {
-            Self::Binary => options.register_for(depth)?,
-            Self::Wide(_) => options.wide_register_for(depth)?,
-        };
-        let short_stack = options.short_stack.min(TrailOptions::MAX_SHORT_STACK);
-        // Where there is no stack, it is nowhere.
-        let memory = if short_stack == 0 { StackMemory::Private } else { options.memory };
-        Ok(Walk::RestartTrail(TrailOptions { short_stack, register, memory }))
-    }
-}
 
 /// One combination of the kernel of rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -72,6 +34,8 @@ pub struct Kernel {
     pub counters: bool,
     /// Entries of each ray's stack; without meaning for a restart trail, which brings its own.
     pub stack_entries: u32,
+    /// Layers of lists, of each of which the ray's record has the element to begin with; 0 where rays begin with the first.
+    pub starts: u32,
 }
 
 impl Kernel {
@@ -88,10 +52,11 @@ impl Kernel {
         }
     }
 
-    /// Words of a ray's record: the ray's own, and with [`Query::All`] where its hits go and how many.
+    /// Words of a ray's record: the ray's own, with [`Query::All`] where its hits go and how many, and its heads.
     #[must_use]
     pub const fn ray_words(&self) -> usize {
-        if matches!(self.query, Query::All) { 11 } else { 9 }
+        let own = if matches!(self.query, Query::All) { 11 } else { 9 };
+        own + self.starts as usize
     }
 
     /// Words that the kernel writes a ray.
@@ -122,13 +87,21 @@ impl Kernel {
         let tree = match self.tree {
             Tree::Binary => "bvh".into(),
             Tree::Wide(width) => format!("wide-bvh:width={}", width.children()),
+            Tree::List { bounds, one_sided } => {
+                let bounds = if bounds == Bounds::Sphere { "sphere" } else { "aabb" };
+                format!("list:bounds={bounds}{}", if one_sided { ", one-sided" } else { "" })
+            }
         };
         let stack = match self.walk {
-            Walk::RestartTrail(_) => String::new(),
+            Walk::RestartTrail(_) | Walk::List => String::new(),
             _ => format!(", {} stack entries", self.stack_entries),
         };
         let counters = if self.counters { " with counters" } else { "" };
-        format!("{tree} {} {}{counters}{stack}", self.walk, self.query)
+        let starts = match self.starts {
+            0 => String::new(),
+            layers => format!(" from heads of {layers} layers"),
+        };
+        format!("{tree} {} {}{starts}{counters}{stack}", self.walk, self.query)
     }
 
     /// What the shader's conditions and constants are.
@@ -144,10 +117,19 @@ impl Kernel {
             Query::Count => ("shared/collect_count", "kernel/result_word"),
             Query::All => ("shared/collect_all", "kernel/result_all"),
         };
-        definitions =
-            definitions.text("SEEKER", "shared/seek_ray").text("COLLECT", collect).text("RESULT", result);
-        if let Tree::Wide(width) = self.tree {
-            definitions = definitions.text("WIDTH", width.children());
+        let seeker = match self.tree {
+            Tree::Binary | Tree::Wide(_) => "shared/seek_ray",
+            Tree::List { bounds: Bounds::Sphere, .. } => "shared/seek_spheres",
+            Tree::List { bounds: Bounds::Aabb, .. } => "shared/seek_boxes",
+        };
+        definitions = definitions.text("SEEKER", seeker).text("COLLECT", collect).text("RESULT", result);
+        if self.starts > 0 {
+            definitions = definitions.text("STARTS", self.starts);
+        }
+        match self.tree {
+            Tree::Binary => {}
+            Tree::Wide(width) => definitions = definitions.text("WIDTH", width.children()),
+            Tree::List { one_sided, .. } => definitions = definitions.flag("ONE_SIDED", one_sided),
         }
         if !is_offered(self.tree.kind(), self.walk, self.query, DeviceKind::Gpu) {
             // Without a walk the shader cannot be assembled, which is the right answer.
@@ -166,12 +148,14 @@ impl Kernel {
     }
 }
 
-/// The file of the walk, and what it needs. A graphics adapter has no brute force, no recursion and no lists.
+/// The file of the walk, and what it needs. A graphics adapter has no brute force and no recursion.
 pub(super) fn with_walk(definitions: Definitions, tree: Tree, walk: Walk, stack_entries: u32) -> Definitions {
     match walk {
-        Walk::BruteForce | Walk::Recursive | Walk::List => definitions,
+        Walk::BruteForce | Walk::Recursive => definitions,
+        Walk::List => definitions.text("WALK", "walk/walk_list"),
         Walk::Stack(order) => {
             let file = match (tree, order) {
+                (Tree::List { .. }, _) => return definitions,
                 (Tree::Wide(_), _) => "walk/walk_wide_bvh_stack",
                 (Tree::Binary, StackOrder::Ordered) => "walk/walk_bvh_stack",
                 (Tree::Binary, _) => "walk/walk_bvh_postponed",
@@ -186,6 +170,7 @@ pub(super) fn with_walk(definitions: Definitions, tree: Tree, walk: Walk, stack_
             let file = match tree {
                 Tree::Binary => "walk/walk_bvh_restart_trail",
                 Tree::Wide(_) => "walk/walk_wide_bvh_restart_trail",
+                Tree::List { .. } => return definitions,
             };
             with_trail(definitions.text("WALK", file), tree, options)
         }
@@ -201,7 +186,7 @@ fn with_trail(definitions: Definitions, tree: Tree, options: TrailOptions) -> De
         (Tree::Wide(_), TrailRegister::U64) => Some("shared/wide_trail_u64"),
         (Tree::Wide(_), TrailRegister::Array) => Some("shared/wide_trail_array"),
         // Not resolved, or not there: the shader cannot be assembled.
-        (_, TrailRegister::Auto) | (Tree::Wide(_), TrailRegister::U32) => None,
+        (_, TrailRegister::Auto) | (Tree::Wide(_), TrailRegister::U32) | (Tree::List { .. }, _) => None,
     };
     let stack = match (options.short_stack, options.memory) {
         (0, _) => "shared/short_stack_none",
@@ -228,7 +213,13 @@ pub(super) fn constants() -> Definitions {
         .text("LEAST_OUTWARDS", float(ray::LEAST_OUTWARDS))
         .text("LEAST_OUTWARDS_SHORT", float(ray::LEAST_OUTWARDS_SHORT))
         .text("LARGEST_FLOAT", float(f32::MAX))
+        .text("SPHERE_PAD", float(Sphere::PAD))
+        .text("LIST_HEADER_WORDS", list_layout::HEADER_WORDS)
+        .text("LIST_LAYERS_AT", list_layout::LAYERS_AT)
+        .text("LIST_LAYER_WORDS", list_layout::LAYER_WORDS)
+        .text("LIST_GRID_AT", list_layout::GRID_AT)
         .text("NONE", word(Hit::NONE))
+        .text("NO_HEAD", word(NO_HEAD))
         .text("MIRROR", word(FlatTriangle::MIRROR))
         .text("STATUS_COMPLETE", word(Status::COMPLETE.0))
         .text("STATUS_INVALID_RAY", word(Status::INVALID_RAY.0))
@@ -238,7 +229,7 @@ pub(super) fn constants() -> Definitions {
 }
 
 /// The shortest decimal text that reads back as the same f32.
-fn float(value: f32) -> String {
+pub(super) fn float(value: f32) -> String {
     format!("{value:e}f")
 }
 
@@ -249,6 +240,7 @@ pub(super) fn word(value: u32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ropewalk::wide_bvh::Width;
     use std::collections::HashSet;
 
     #[test]
@@ -265,56 +257,20 @@ mod tests {
         let binary = 2 * (8 * (4 * 2 + 2) + 4 * 33 * 3);
         // Wide: stacks of 8 to 192 and to 448; two registers.
         let wide = 2 * 4 * (24 + 56 + 2 * 33 * 2);
-        assert_eq!(every.len(), binary + wide);
+        // Lists: two bounds, of one side and of two, four queries, from the first elements or from heads of one layer to
+        // four.
+        let lists = 2 * (2 * 2 * 4 * 5);
+        assert_eq!(every.len(), binary + wide + lists);
         for row in ropewalk::catalogue::rows().into_iter().filter(|row| row.device == DeviceKind::Gpu) {
             for tree in Tree::EVERY.into_iter().filter(|tree| tree.kind() == row.structure.kind()) {
                 for (depth, counters) in [(1, false), (20, true), (31, false)] {
                     let Ok(walk) = tree.resolve(row.walk, depth) else { continue };
                     let stack_entries = if matches!(walk, Walk::Stack(_)) { 32 } else { 0 };
-                    let kernel = Kernel { tree, walk, query: row.query, counters, stack_entries };
+                    let kernel = Kernel { tree, walk, query: row.query, counters, stack_entries, starts: 0 };
                     assert!(every.contains(&kernel), "{}", kernel.label());
                 }
             }
         }
-    }
-
-    #[test]
-    fn a_register_is_chosen_by_depth_or_refused() {
-        let trail = |text: &str| format!("restart-trail:short-stack={text}").parse::<Walk>().unwrap();
-        let register = |tree: Tree, text: &str, depth| match tree.resolve(trail(text), depth) {
-            Ok(Walk::RestartTrail(options)) => Ok(options.register),
-            Ok(other) => panic!("{other}"),
-            Err(error) => Err(error.to_string()),
-        };
-        for (depth, expected) in [
-            (0, TrailRegister::U32),
-            (31, TrailRegister::U32),
-            (32, TrailRegister::U64),
-            (64, TrailRegister::Array),
-        ] {
-            assert_eq!(register(Tree::Binary, "4", depth), Ok(expected));
-        }
-        let wide = Tree::Wide(Width::Eight);
-        assert_eq!(register(wide, "4", 16), Ok(TrailRegister::U64));
-        assert_eq!(register(wide, "4", 17), Ok(TrailRegister::Array));
-        for (tree, text, depth, limit) in [
-            (Tree::Binary, "4,register=u32", 32, 31),
-            (Tree::Binary, "4,register=u64", 64, 63),
-            (wide, "4,register=u64", 17, 16),
-        ] {
-            assert!(register(tree, text, limit).is_ok());
-            let error = register(tree, text, depth).unwrap_err();
-            assert!(
-                error.contains(&depth.to_string()) && error.contains(&format!("max-depth={limit}")),
-                "{error}"
-            );
-        }
-        assert_eq!(wide.resolve(Walk::default(), 1000), Ok(Walk::default()));
-        // No stack is kept in no memory, and none is longer than the longest.
-        let none = Tree::Binary.resolve(trail("0,memory=workgroup"), 5).unwrap();
-        assert_eq!(none, trail("0,register=u32"));
-        let long = TrailOptions { short_stack: 99, ..TrailOptions::default() };
-        assert_eq!(Tree::Binary.resolve(Walk::RestartTrail(long), 5), Ok(trail("16,register=u32")));
     }
 
     #[test]
@@ -325,6 +281,7 @@ mod tests {
             query: Query::Closest,
             counters: false,
             stack_entries: 8,
+            starts: 0,
         };
         let library = ShaderLibrary::shipped();
         assert!(kernel.source(&library).is_ok());
@@ -346,7 +303,9 @@ mod tests {
 
     #[test]
     fn constants_read_back_as_they_were() {
-        for value in [aabb::PAD_ENTRY, aabb::PAD_EXIT, ray::PARALLEL, ray::LEAST_OUTWARDS_SHORT, f32::MAX] {
+        for value in
+            [aabb::PAD_ENTRY, aabb::PAD_EXIT, ray::PARALLEL, ray::LEAST_OUTWARDS_SHORT, Sphere::PAD, f32::MAX]
+        {
             assert_eq!(float(value).trim_end_matches('f').parse(), Ok(value));
         }
     }

@@ -3,20 +3,25 @@
 //! | folder | holds |
 //! |---|---|
 //! | `shaders/shared` | rays, boxes, triangles, hits, counters: the twins of the core crate's modules |
-//! | `shaders/walk` | one walk a file, the twins of `ropewalk::bvh::walk` and `ropewalk::wide_bvh::walk` |
+//! | `shaders/walk` | one walk a file, the twins of the walks of `ropewalk::bvh`, `ropewalk::wide_bvh` and `ropewalk::traversal_list` |
 //! | `shaders/kernel` | entry points, and what they write |
 //!
-//! [`ShaderLibrary`] holds the files and assembles them; [`Kernel`] and [`PointKernel`] name each shipped combination. A caller's
+//! [`ShaderLibrary`] holds the files and assembles them; [`Kernel`], [`PointKernel`] and [`HeadKernel`] name each shipped combination. A caller's
 //! own shader can be [added](ShaderLibrary::with) and import the shared parts and the walks.
 
 mod assembly;
 mod every;
+mod head_kernel;
 mod kernel;
 mod library;
+pub(crate) mod list_layout;
 mod point_kernel;
+mod tree;
 
 pub use assembly::{AssemblyError, Definitions};
-pub use kernel::{BATCH_GROUP, Kernel, STATUS_WRITTEN, STRUCTURE_GROUP, Tree};
+pub use head_kernel::{HeadKernel, HeadRows};
+pub use kernel::{BATCH_GROUP, Kernel, STATUS_WRITTEN, STRUCTURE_GROUP};
 pub use library::ShaderLibrary;
 pub(crate) use point_kernel::AnyKernel;
 pub use point_kernel::PointKernel;
+pub use tree::Tree;

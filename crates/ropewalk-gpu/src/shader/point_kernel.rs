@@ -2,8 +2,10 @@
 
 use super::assembly::{AssemblyError, Definitions};
 use super::every::{stack_sizes, walks};
-use super::kernel::{Kernel, Tree, constants, with_walk, word};
+use super::head_kernel::HeadKernel;
+use super::kernel::{Kernel, constants, with_walk, word};
 use super::library::ShaderLibrary;
+use super::tree::Tree;
 use ropewalk::point::{LARGEST_POINT, PointSearch, catalogue};
 use ropewalk::{DeviceKind, StructureKind, Walk};
 
@@ -135,6 +137,8 @@ pub(crate) enum AnyKernel {
     Rays(Kernel),
     /// Of point queries.
     Points(PointKernel),
+    /// Of heads.
+    Heads(HeadKernel),
 }
 
 impl AnyKernel {
@@ -142,6 +146,8 @@ impl AnyKernel {
         match self {
             Self::Rays(kernel) => kernel.walk,
             Self::Points(kernel) => kernel.walk,
+            // A search asks each element of a list once, as a walk does.
+            Self::Heads(_) => Walk::List,
         }
     }
 
@@ -149,6 +155,7 @@ impl AnyKernel {
         match self {
             Self::Rays(kernel) => kernel.label(),
             Self::Points(kernel) => kernel.label(),
+            Self::Heads(kernel) => kernel.label(),
         }
     }
 
@@ -156,6 +163,7 @@ impl AnyKernel {
         match self {
             Self::Rays(kernel) => kernel.source(library),
             Self::Points(kernel) => kernel.source(library),
+            Self::Heads(kernel) => kernel.source(library),
         }
     }
 }

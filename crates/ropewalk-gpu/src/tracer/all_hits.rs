@@ -7,11 +7,12 @@
 //! finds another number of hits in the second run than in the first has no answer.
 
 use super::limits::TileLimits;
+use super::records::Records;
 use super::results::{read_hit, read_word};
 use super::tile::Job;
 use crate::GpuError;
 use crate::shader::Kernel;
-use ropewalk::{HitLists, Ray, batch};
+use ropewalk::{HitLists, batch};
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -43,13 +44,13 @@ impl Plan {
     }
 
     /// The tiles, for the rays of the whole batch.
-    pub(super) fn jobs<'a>(&'a self, rays: &'a [Ray]) -> impl Iterator<Item = Job<'a>> {
-        self.tiles.iter().map(|tile| {
+    pub(super) fn jobs<'a>(&'a self, rays: Records<'a>) -> impl Iterator<Item = Job<'a>> {
+        self.tiles.iter().map(move |tile| {
             let counts = &self.counts[tile.clone()];
             let mut records = Vec::with_capacity(counts.len() * self.kernel.ray_words());
             let mut place = 0;
             for (&ray, &count) in self.rays[tile.clone()].iter().zip(counts) {
-                append_record(&mut records, &rays[ray], place, count);
+                rays.append(&mut records, ray, &[place, count]);
                 // A tile's hits fit a buffer, of which the words are counted in 32 bits.
                 place += count;
             }
@@ -90,20 +91,15 @@ impl Plan {
     }
 }
 
-/// The record of a ray that has `count` places for its hits, from `place` on.
-fn append_record(records: &mut Vec<u32>, ray: &Ray, place: u32, count: u32) {
-    records.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(ray)));
-    records.extend([place, count]);
-}
-
-/// The rays of the first run: there is room for no hit.
-pub(super) fn counting_job(kernel: Kernel, rays: &[Ray]) -> Job<'static> {
-    let mut records = Vec::with_capacity(rays.len() * kernel.ray_words());
-    rays.iter().for_each(|ray| append_record(&mut records, ray, 0, 0));
+/// Some rays of the first run: there is room for no hit.
+pub(super) fn counting_job(kernel: Kernel, rays: Records<'_>, part: Range<usize>) -> Job<'static> {
+    let ray_count = part.len();
+    let mut records = Vec::with_capacity(ray_count * kernel.ray_words());
+    part.for_each(|ray| rays.append(&mut records, ray, &[0, 0]));
     Job {
         rays: Cow::Owned(records),
-        ray_count: rays.len() as u32,
-        result_words: rays.len() * kernel.result_words(),
+        ray_count: ray_count as u32,
+        result_words: ray_count * kernel.result_words(),
     }
 }
 
@@ -142,7 +138,7 @@ mod tests {
     use super::*;
     use crate::shader::STATUS_WRITTEN;
     use crate::tracer::limits::tests::ALL;
-    use ropewalk::glam::Vec3;
+    use ropewalk::{Ray, glam::Vec3};
 
     const LIMITS: TileLimits = TileLimits { rays: 2, result_bytes: 1 << 20 };
 
@@ -158,7 +154,7 @@ mod tests {
     fn hits_go_back_to_their_rays() {
         let plan = Plan::new(ALL, &[0, 2, 0, 1, 3, 0], LIMITS).unwrap();
         let rays: Vec<Ray> = (0..6).map(|i| Ray::new(Vec3::splat(i as f32), Vec3::X)).collect();
-        let jobs: Vec<Job<'_>> = plan.jobs(&rays).collect();
+        let jobs: Vec<Job<'_>> = plan.jobs(Records::plain(&rays)).collect();
         assert_eq!(jobs.len(), 2);
         assert_eq!(
             (jobs[0].ray_count, jobs[0].result_words, jobs[1].result_words),
@@ -196,7 +192,7 @@ mod tests {
     #[test]
     fn rays_that_hit_nothing_have_empty_lists() {
         let plan = Plan::new(ALL, &[0, 0], LIMITS).unwrap();
-        assert_eq!(plan.jobs(&[]).count(), 0);
+        assert_eq!(plan.jobs(Records::plain(&[])).count(), 0);
         assert_eq!(Lists::new(true).into_lists(2).offsets, [0, 0, 0]);
         assert_eq!(Lists::new(true).into_lists(0).offsets, [0]);
     }

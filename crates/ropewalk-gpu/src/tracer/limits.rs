@@ -87,6 +87,7 @@ pub(super) mod tests {
         query: Query::All,
         counters: false,
         stack_entries: 8,
+        starts: 0,
     };
 
     /// Tiles of rays with so many hits each.

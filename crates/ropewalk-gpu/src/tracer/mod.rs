@@ -9,23 +9,31 @@
 //! first, and what is left is caught by error scopes. Every ray's answer is known to have been written.
 
 mod all_hits;
+mod changes;
+mod content;
+mod heads;
 mod limits;
 mod pipelines;
 mod points;
+mod records;
 mod results;
+mod shape;
+mod starts;
 mod structure;
 mod tile;
+mod versions;
 
 pub use points::GpuPoints;
 pub use structure::GpuStructure;
+pub use versions::{StructureVersions, UploadReport};
 
 use crate::{Gpu, GpuError};
 use all_hits::{Lists, Plan, counting_job};
 use limits::{HIT_BYTES, TileLimits};
 use pipelines::Pipelines;
+use records::Records;
 use results::Results;
 use ropewalk::{Answer, DeviceKind, Query, Ray, Structure, TraceOptions, Traced, Walk, catalogue};
-use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -122,6 +130,10 @@ impl Tracer {
         GpuStructure::upload(gpu, pipelines.structure_layout(), structure).map_err(|error| gpu.explain(error))
     }
 
+    fn structure_layout(&self) -> &wgpu::BindGroupLayout {
+        self.inner.pipelines.structure_layout()
+    }
+
     /// Traces a batch.
     ///
     /// # Errors
@@ -136,7 +148,7 @@ impl Tracer {
         options: TraceOptions,
     ) -> Result<GpuTraced, GpuError> {
         catalogue::check(structure.shape().tree.kind(), walk, query, DeviceKind::Gpu)?;
-        self.with_own(structure, || self.trace_batch(structure, walk, query, rays, options))
+        self.with_own(structure, || self.trace_batch(structure, walk, query, Records::plain(rays), options))
     }
 
     /// Works with a structure, which must be on this device, and explains what fails.
@@ -157,7 +169,7 @@ impl Tracer {
         structure: &GpuStructure,
         walk: Walk,
         query: Query,
-        rays: &[Ray],
+        rays: Records<'_>,
         options: TraceOptions,
     ) -> Result<GpuTraced, GpuError> {
         let shape = structure.shape();
@@ -169,21 +181,22 @@ impl Tracer {
             query: if through_lists { Query::All } else { query },
             counters: options.counters,
             stack_entries: self.stack_entries(structure, walk),
+            starts: rays.starts(),
         };
         let record_words = kernel.ray_words().max(kernel.result_words());
         let run = Run::new(&self.inner, structure, AnyKernel::Rays(kernel), record_words)?;
         let mut results = Results::new(kernel, rays.len());
-        let parts = rays.chunks(run.limits.rays);
+        let parts = rays.parts(run.limits.rays);
         if !through_lists {
             let jobs = parts.map(|part| Job {
-                rays: Cow::Borrowed(bytemuck::cast_slice(part)),
                 ray_count: part.len() as u32,
                 result_words: part.len() * kernel.result_words(),
+                rays: rays.of(part),
             });
             let device_time = run.trace(jobs, |words| results.append(words))?;
             return Ok(GpuTraced { traced: results.into_traced(None), device_time });
         }
-        let jobs = parts.map(|part| counting_job(kernel, part));
+        let jobs = parts.map(|part| counting_job(kernel, rays, part));
         let counting_time = run.trace(jobs, |words| results.append(words))?;
         let plan = Plan::new(kernel, results.words(), run.limits)?;
         let mut lists = Lists::new(shape.has_repeats);
@@ -200,7 +213,7 @@ impl Tracer {
 
     /// Entries of each ray's stack, in the sizes for which there are kernels; none where the walk brings its own.
     fn stack_entries(&self, structure: &GpuStructure, walk: Walk) -> u32 {
-        if matches!(walk, Walk::RestartTrail(_)) {
+        if matches!(walk, Walk::RestartTrail(_) | Walk::List) {
             return 0;
         }
         let needed = || Kernel::stack_entries_for(structure.shape().stack_entries);

@@ -102,7 +102,7 @@ mod tests {
 
     fn results(query: Query, counters: bool) -> Results {
         let (tree, walk) = (Tree::Binary, Walk::default());
-        Results::new(Kernel { tree, walk, query, counters, stack_entries: 8 }, 2)
+        Results::new(Kernel { tree, walk, query, counters, stack_entries: 8, starts: 0 }, 2)
     }
 
     #[test]

@@ -16,7 +16,7 @@ pub(super) const TIMESTAMP_BYTES: u64 = 16;
 /// machine swaps; the bound only keeps a broken driver from hanging the program.
 const NEWS_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// The numbers of a batch, `Batch` in `kernel/batch.wgsl`. The last two are for point queries.
+/// The numbers of a batch, `Batch` in `kernel/frame.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(super) struct BatchUniform {

@@ -40,7 +40,7 @@ const SHARED: &[Damage] = &[
     ("shared/triangle", "max(depth * ray.shear.z, span.entry)", "(depth * ray.shear.z)"),
     ("shared/triangle", "span.entry), span.exit)", "span.entry), t_max)"),
     ("shared/triangle", "ab_length >= bc_length && ab_length >= ca_length", "true"),
-    ("shared/triangle", "plane.y == 0.0 || magnitude_bits(depth) >= 0x7f800000u", "true"),
+    ("shared/triangle", "slope == 0.0 || magnitude_bits(depth) >= 0x7f800000u", "true"),
     ("shared/triangle", "depth = (u * a.z", "depth = (v * a.z"),
     ("shared/triangle", "== ray.forward", "== true"),
     ("shared/triangle", "!= mirrored", "!= false"),
@@ -159,7 +159,7 @@ const WORKGROUP: &[Damage] = &[
         "place * #{WORKGROUP_SIZE}u + local_index] = entry",
         "local_index] = entry",
     ),
-    ("kernel/batch", "local_index = invocation;", ""),
+    ("kernel/frame", "local_index = invocation;", ""),
     DROP_NEWEST,
 ];
 
@@ -259,14 +259,14 @@ fn usual() -> Vec<Case> {
 }
 
 /// The cases of these names.
-fn few(cases: Vec<Case>, names: &[&str]) -> Vec<Case> {
+pub(crate) fn few(cases: Vec<Case>, names: &[&str]) -> Vec<Case> {
     let cases: Vec<Case> = cases.into_iter().filter(|case| names.contains(&case.name)).collect();
     assert_eq!(cases.len(), names.len());
     cases
 }
 
 /// Traces the cases with the sound shaders and with each damage.
-fn notice(walk: &str, query: Query, cases: &[Case], damages: &[Damage]) {
+pub(crate) fn notice(walk: &str, query: Query, cases: &[Case], damages: &[Damage]) {
     let what = format!("{walk} {query}");
     let walk: Walk = walk.parse().unwrap();
     let options = TraceOptions { counters: true };

@@ -6,8 +6,8 @@ use ropewalk::bvh::StackOrder;
 use ropewalk::catalogue::is_offered;
 use ropewalk::wide_bvh::Width;
 use ropewalk::{
-    BuildOptions, CatalogueError, DeviceKind, Mesh, Query, Ray, Scene, Status, Structure, TraceError,
-    TraceOptions, Walk, WideOptions, glam::Vec3,
+    BuildOptions, CatalogueError, DeviceKind, ListOptions, Mesh, Query, Ray, Scene, Status, Structure,
+    TraceError, TraceOptions, Walk, WideOptions, glam::Vec3,
 };
 use ropewalk_gpu::{Device, DeviceChoice, Gpu, GpuError, Tracer, adapters, wgpu};
 
@@ -17,6 +17,10 @@ fn structure() -> Structure {
 
 fn wide_structure() -> Structure {
     Structure::WideBvh(Scene::from_mesh(scenes::sphere(20)).build_wide(&WideOptions::default()).unwrap())
+}
+
+fn list_structure() -> Structure {
+    Structure::List(Scene::from_mesh(scenes::sphere(20)).build_list(&ListOptions::default()).unwrap())
 }
 
 /// What the catalogue has for a structure on a device like these.
@@ -89,6 +93,57 @@ fn a_structure_over_a_limit_is_refused_with_the_numbers() {
         };
         let error = Tracer::new(gpu.unwrap()).upload(&structure).unwrap_err();
         assert!(matches!(error, GpuError::TooLarge { what: "nodes of the structure", .. }), "{error:?}");
+    });
+}
+
+/// Of lists, too, and the way out is another one: fewer of them.
+#[test]
+fn lists_over_a_limit_are_refused_with_the_numbers() {
+    let structure = list_structure();
+    let Structure::List(lists) = &structure else { return };
+    let element_bytes = 320 + size_of_val(lists.elements()) as u64;
+    let vertex_bytes = (size_of_val(lists.vertices()) + size_of_val(lists.identities())) as u64;
+    assert!(vertex_bytes < element_bytes);
+    on_every_adapter(|_| {
+        let limit = element_bytes - 4;
+        let Some(gpu) = small_device(|limits| limits.max_storage_buffer_binding_size = limit) else { return };
+        let error = Tracer::new(gpu.unwrap()).upload(&structure).unwrap_err();
+        let GpuError::TooLarge { what, needed, limit: told, .. } = &error else { panic!("{error:?}") };
+        assert_eq!((*what, *needed, *told), ("elements of the lists", element_bytes, limit));
+        let text = error.to_string();
+        assert!(text.contains("CPU") && text.contains("directions=1"), "{text}");
+        // As many as fit are taken.
+        let Some(gpu) = small_device(|limits| limits.max_storage_buffer_binding_size = element_bytes) else {
+            return;
+        };
+        let tracer = Tracer::new(gpu.unwrap());
+        let uploaded = tracer.upload(&structure).unwrap();
+        assert_eq!(uploaded.bytes(), element_bytes + vertex_bytes);
+    });
+}
+
+/// Lists are walked as lists, trees as trees, and points are asked of trees alone.
+#[test]
+fn lists_have_one_walk() {
+    on_every_adapter(|machine| {
+        let options = TraceOptions::default();
+        let tracer = &machine.trusted;
+        let lists = tracer.upload(&list_structure()).unwrap();
+        let trail = "restart-trail".parse().unwrap();
+        for walk in [Walk::default(), trail, Walk::BruteForce, Walk::Recursive] {
+            let refused = tracer.trace(&lists, walk, Query::Closest, &rays(), options).unwrap_err();
+            assert!(matches!(&refused, GpuError::Catalogue(_)), "{refused}");
+            assert!(refused.to_string().contains("these do: list"), "{refused}");
+        }
+        for tree in [structure(), wide_structure()] {
+            let uploaded = tracer.upload(&tree).unwrap();
+            let refused = tracer.trace(&uploaded, Walk::List, Query::Any, &rays(), options).unwrap_err();
+            assert!(matches!(&refused, GpuError::Catalogue(_)), "{refused}");
+        }
+        for walk in [Walk::List, Walk::default()] {
+            let refused = tracer.closest_points(&lists, walk, &[], options).unwrap_err();
+            assert!(matches!(&refused, GpuError::Catalogue(_)), "{refused}");
+        }
     });
 }
 
@@ -172,7 +227,7 @@ fn a_step_budget_that_is_used_up_is_reported() {
     let rays = rays();
     on_every_adapter(|machine| {
         let tracer = machine.tracer(|options| options.step_budget = Some(2));
-        for structure in [structure(), wide_structure()] {
+        for structure in [structure(), wide_structure(), list_structure()] {
             let uploaded = tracer.upload(&structure).unwrap();
             for (walk, query) in offered(&structure) {
                 let traced = tracer

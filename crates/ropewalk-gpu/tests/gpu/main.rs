@@ -5,15 +5,20 @@
 
 mod all_hits;
 mod broken;
+mod broken_lists;
 mod compare;
 mod conformance;
 mod damage;
 mod errors;
+mod heads;
+mod lists;
 mod machine;
 mod points;
 mod rays;
 mod scenes;
+mod starts;
 mod surface;
 mod trails;
 mod trees;
 mod twins;
+mod versions;

@@ -1,7 +1,7 @@
 //! Rays that are hard on a given structure.
 
 use ropewalk::glam::Vec3;
-use ropewalk::{Aabb, Hit, Query, Ray, Structure, TraceOptions, Walk};
+use ropewalk::{Aabb, Hit, Query, Ray, Structure, TraceOptions};
 
 /// A small generator of numbers (splitmix64), so that every run has the same rays.
 pub(crate) struct Random(u64);
@@ -107,7 +107,7 @@ pub(crate) fn against(structure: &Structure) -> Vec<Ray> {
 
     // Windows that begin and end exactly at a hit, a float before and a float behind it, and empty ones.
     let found = structure
-        .trace(Walk::default(), Query::Closest, &rays, TraceOptions::default())
+        .trace(structure.kind().default_walk(), Query::Closest, &rays, TraceOptions::default())
         .expect("the CPU has this row");
     let ropewalk::Answer::Closest(hits) = found.answer else { panic!("closest was asked") };
     let hit_rays: Vec<(Ray, Hit)> =

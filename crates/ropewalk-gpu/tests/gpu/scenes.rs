@@ -43,7 +43,7 @@ pub(crate) fn every() -> Vec<Case> {
     ]
 }
 
-fn one_triangle() -> Mesh {
+pub(crate) fn one_triangle() -> Mesh {
     Mesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]])
 }
 
@@ -92,7 +92,7 @@ pub(crate) fn lattice() -> Mesh {
 }
 
 /// The same quad several times, turned over too, and one that is a float away.
-fn duplicates() -> Mesh {
+pub(crate) fn duplicates() -> Mesh {
     let mut mesh = Mesh::default();
     for (copy, z) in [0.5_f32, 0.5, 0.5, 0.5_f32.next_up(), 0.5_f32.next_down(), 0.5].into_iter().enumerate()
     {

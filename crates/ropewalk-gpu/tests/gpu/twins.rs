@@ -4,9 +4,10 @@ use crate::compare::compare;
 use crate::machine::on_every_adapter;
 use crate::scenes::Case;
 use crate::trails::cpu_twin;
-use crate::{rays, scenes, trees};
+use crate::{lists, rays, scenes, trees};
 use ropewalk::bvh::StackOrder;
 use ropewalk::catalogue::is_offered;
+use ropewalk::traversal_list::Bounds;
 use ropewalk::wide_bvh::Width;
 use ropewalk::{
     Answer, BuildOptions, DeviceKind, Query, Ray, Scene, Status, Structure, TraceOptions, Walk, glam::Vec3,
@@ -90,6 +91,27 @@ fn restart_trails_agree_on_wide_trees() {
         for trail in ["short-stack=0", "short-stack=5", "short-stack=3,memory=workgroup"] {
             agree(format!("restart-trail:{trail}").parse().unwrap(), &cases);
         }
+    }
+}
+
+#[test]
+fn lists_agree() {
+    for bounds in [Bounds::Sphere, Bounds::Aabb] {
+        agree(Walk::List, &lists::every(bounds));
+    }
+}
+
+#[test]
+fn lists_of_one_side_agree() {
+    for bounds in [Bounds::Sphere, Bounds::Aabb] {
+        agree(Walk::List, &lists::one_sided(bounds));
+    }
+}
+
+#[test]
+fn lists_of_two_layers_agree() {
+    for bounds in [Bounds::Sphere, Bounds::Aabb] {
+        agree(Walk::List, &lists::layered(bounds));
     }
 }
 

@@ -10,6 +10,12 @@ use thiserror::Error;
 #[error("the plot cannot be drawn: {0}")]
 pub struct PlotError(String);
 
+impl PlotError {
+    pub(crate) fn new(error: impl std::fmt::Display) -> Self {
+        Self(error.to_string())
+    }
+}
+
 /// Pixels of a chart.
 const CHART: (u32, u32) = (640, 420);
 /// How far a chart reaches at least: as far as the bands.
@@ -24,7 +30,7 @@ const LOWEST: f64 = 0.95;
 pub fn plot(rows: &[TrailRow]) -> Result<String, PlotError> {
     let scenes: Vec<&[TrailRow]> = rows.chunk_by(|a, b| a.scene == b.scene).collect();
     if scenes.is_empty() {
-        return Err(PlotError("there are no rows".into()));
+        return Err(failed("there are no rows"));
     }
     let columns = scenes.len().min(2);
     let lines = scenes.len().div_ceil(columns);
@@ -42,7 +48,7 @@ pub fn plot(rows: &[TrailRow]) -> Result<String, PlotError> {
 }
 
 fn failed(error: impl std::fmt::Display) -> PlotError {
-    PlotError(error.to_string())
+    PlotError::new(error)
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;

@@ -5,6 +5,7 @@
 
 use crate::error::RenderError;
 use glam::{Vec2, Vec3};
+use ropewalk::traversal_list::Frustum;
 use ropewalk::{Ray, Scene};
 use ropewalk_scene::Camera;
 
@@ -18,6 +19,8 @@ pub(crate) struct Pinhole {
     right: Vec3,
     /// One pixel down.
     down: Vec3,
+    /// The picture's width and height in pixels.
+    size: Vec2,
     mask: u32,
 }
 
@@ -61,6 +64,7 @@ impl Pinhole {
             corner: corner.as_vec3(),
             right: right.as_vec3(),
             down: down.as_vec3(),
+            size: Vec2::new(width as f32, height as f32),
             mask: Ray::ALL,
         })
     }
@@ -68,6 +72,22 @@ impl Pinhole {
     /// The same camera with rays that see other instances.
     pub(crate) fn with_mask(self, mask: u32) -> Self {
         Self { mask, ..self }
+    }
+
+    /// All rays through the picture.
+    pub(crate) fn screen(&self) -> Frustum {
+        Frustum {
+            eye: self.position,
+            corner: self.corner,
+            right: self.right * self.size.x,
+            down: self.down * self.size.y,
+            cells: 1,
+        }
+    }
+
+    /// A point of the picture, in pixels, as parts of its width and height.
+    pub(crate) fn part(&self, place: Vec2) -> Vec2 {
+        place / self.size
     }
 
     /// The ray through a point of the picture, in pixels from the upper left corner.

@@ -101,6 +101,15 @@ impl Case {
         self
     }
 
+    /// Adds rays from outside into the ball of radius `reach` about `inside`, none of which may come in unseen: for closed
+    /// meshes whose fronts are outside.
+    fn entered_into(mut self, inside: DVec3, reach: f64) -> Self {
+        let flat = self.scene.flatten().unwrap_or_default();
+        let rays = RayMaker::new(&flat, 98).rays_from_outside(inside, reach, 4 * RAYS_A_CLASS);
+        self.add(RayClass::Outside, rays);
+        self
+    }
+
     fn with_depth_caps(self, depth_caps: &'static [u32]) -> Self {
         Self { depth_caps, ..self }
     }

@@ -15,6 +15,7 @@ pub(super) const RECIPES: &[Recipe] = &[
     ("sphere", |name| {
         Case::new(name, "a closed sphere: none escapes", Scene::from_mesh(meshes::icosphere(3)))
             .closed_around(DVec3::ZERO, 0.9)
+            .entered_into(DVec3::ZERO, 0.9)
     }),
     ("needles", |name| Case::new(name, "triangles a million times longer than wide", needles())),
     ("flat-fan", |name| {
@@ -26,6 +27,7 @@ pub(super) const RECIPES: &[Recipe] = &[
     ("boxes", |name| {
         Case::new(name, "a block of touching boxes: rays run along their faces", boxes())
             .closed_around(DVec3::splat(1.5), 0.49)
+            .entered_into(DVec3::splat(1.5), 1.4)
     }),
     ("room", |name| {
         Case::new(name, "a box seen from inside, axis-aligned", room()).closed_around(DVec3::splat(0.5), 0.45)
@@ -35,6 +37,10 @@ pub(super) const RECIPES: &[Recipe] = &[
             .with_rays(RayClass::Random, along_the_chain())
             .with_depth_caps(&[63, 31, 8, 2])
             .with_chains(&[31, 32, 63, 64])
+    }),
+    ("diagonals", |name| {
+        Case::new(name, "rays that see fronts whose normals are of the ray's own sextant", diagonals())
+            .with_rays(RayClass::Random, along_diagonals())
     }),
     ("concentric", |name| {
         Case::new(name, "all centres equal: no plane separates them", concentric()).with_depth_caps(&[63, 3])
@@ -98,6 +104,66 @@ fn along_the_chain() -> Vec<Ray> {
         }
     };
     (0..192).map(&mut ray).collect()
+}
+
+/// Normals at the edges of the sets of directions that traversal lists have: a triangle with one of them is seen by some
+/// rays of the set to which its normal belongs itself, or by none of them but almost.
+const NORMALS: [[i32; 3]; 7] =
+    [[1, 1, 1], [10, 9, 9], [3, 2, 2], [2, 1, 1], [201, 100, 100], [1, 1, 0], [1, 0, 0]];
+
+/// Where the triangles of [`diagonals`] are, with their normals. Whole numbers, so that f32 has them exactly.
+fn places() -> impl Iterator<Item = (DVec3, DVec3)> {
+    let turned = |normal: [i32; 3], turn: usize, signs: usize| {
+        let normal = DVec3::from_array(normal.map(f64::from));
+        DVec3::from_array(std::array::from_fn(|axis| {
+            let sign = if signs >> axis & 1 == 0 { 1.0 } else { -1.0 };
+            sign * normal[(axis + turn) % 3]
+        }))
+    };
+    (0..24 * NORMALS.len()).map(move |index| {
+        let normal = turned(NORMALS[index / 24], index % 3, index / 3 % 8);
+        let place = [index % 6, index / 6 % 6, index / 36].map(|step| 3.0 * step as f64);
+        (DVec3::from_array(place), normal)
+    })
+}
+
+fn diagonals() -> Scene {
+    let mut mesh = Mesh::default();
+    for (place, normal) in places() {
+        // Of the axes the one that is farthest from the normal: the other two edges are whole numbers again.
+        let across = normal.cross(if normal.x.abs() < normal.y.abs() { DVec3::X } else { DVec3::Y });
+        let along = normal.cross(across);
+        let (across, along) = (halved(across), halved(along));
+        meshes::push(&mut mesh, [place - across - along, place + across - along, place + along]);
+    }
+    Scene::from_mesh(mesh)
+}
+
+/// Halved until it is no longer than 1, so that nothing is rounded that was exact.
+fn halved(mut edge: DVec3) -> DVec3 {
+    while edge.length_squared() > 1.0 {
+        edge *= 0.5;
+    }
+    edge
+}
+
+/// Rays at the middle of each triangle, along the diagonals of sextants and octants and beside them.
+fn along_diagonals() -> Vec<Ray> {
+    let mut random = Random::new(34);
+    let mut rays = Vec::new();
+    for (place, _) in places() {
+        for _ in 0..8 {
+            let mut dir = DVec3::from_array(std::array::from_fn(|_| {
+                random.pick(&[1.0, -1.0, 0.9375, -0.9375, 0.984_375, -0.984_375])
+            }));
+            if random.one_in(8) {
+                dir[random.below(3)] = 0.0;
+            }
+            // Near, before the next triangle can be in the way.
+            rays.push(Ray::new((place - dir * 0.5).as_vec3(), dir.as_vec3()));
+        }
+    }
+    rays
 }
 
 fn concentric() -> Scene {

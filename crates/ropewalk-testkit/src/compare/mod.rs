@@ -6,12 +6,14 @@
 //! | [`against_oracle`] | a tracer with f64 | a right answer within the bounds of [`crate::oracle`] |
 //! | [`nearly`] | two tracers | equal ids, `t` within 1e-5; ties, edges and grazes aside: real GPUs |
 //! | [`across_queries`] | one tracer with itself | closest, any, all and count say the same |
+//! | [`fronts`] | triangles of one side with the same of two | what is left are the hits of fronts, to the bit |
 //!
 //! A comparator that never objects proves nothing, so each is fed every kind of wrong answer in its tests.
 
 mod bits;
 mod nearly;
 mod queries;
+mod sides;
 mod truth;
 
 #[cfg(test)]
@@ -20,6 +22,7 @@ mod tests;
 pub use bits::same_bits;
 pub use nearly::nearly;
 pub use queries::across_queries;
+pub use sides::fronts;
 pub use truth::{against_oracle, objection};
 
 use ropewalk::{Hit, Ray, Status, Traced};

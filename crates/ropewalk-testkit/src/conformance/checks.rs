@@ -3,13 +3,15 @@
 use super::work::is_same_work;
 use super::{Accuracy, Failure, Judged, Report, counters, relations};
 use crate::cases::{Case, Tree};
-use crate::compare::{Mismatch, Summary, across_queries, against_oracle, nearly, same_bits};
+use crate::compare::{Mismatch, Summary, across_queries, against_oracle, fronts, nearly, same_bits};
+use crate::oracle::{Expectation, Oracle};
 use crate::rays::RayClass;
 use ropewalk::catalogue::{Row, StackMemory, TrailOptions, is_offered};
 use ropewalk::{
-    Answer, BuildOptions, BuildReport, Builder, Counters, DeviceKind, Query, Structure, StructureSpec,
+    Answer, BuildOptions, BuildReport, Builder, Counters, DeviceKind, Query, Ray, Structure, StructureSpec,
     TraceOptions, Traced, Walk,
 };
+use std::cell::OnceCell;
 
 /// A row's answers for one case and structure.
 pub(super) struct Run {
@@ -18,7 +20,7 @@ pub(super) struct Run {
     pub(super) counted: Traced,
 }
 
-/// The first answer to a query: what all later rows are compared with.
+/// The first answer to a query, of one side or of two: what all later rows of as many sides are compared with.
 struct First {
     row: Row,
     traced: Traced,
@@ -31,7 +33,9 @@ pub(super) struct Bench<'a> {
     pub(super) judged: &'a Judged,
     pub(super) accuracy: Accuracy,
     pub(super) rows: &'a [Row],
-    report: Report,
+    pub(super) report: Report,
+    /// The oracle of triangles of one side, where a row asks for it.
+    one_sided: OnceCell<(Oracle, Expectation)>,
     first: Vec<First>,
     /// The counters of walks that do not cull, which the order of children must not change.
     unculled: Vec<(usize, Tree, Vec<Counters>)>,
@@ -40,7 +44,8 @@ pub(super) struct Bench<'a> {
 impl<'a> Bench<'a> {
     pub(super) fn new(judged: &'a Judged, accuracy: Accuracy, rows: &'a [Row]) -> Self {
         let report = Report::new(rows);
-        Self { judged, accuracy, rows, report, first: Vec::new(), unculled: Vec::new() }
+        let one_sided = OnceCell::new();
+        Self { judged, accuracy, rows, report, one_sided, first: Vec::new(), unculled: Vec::new() }
     }
 
     pub(super) fn fail(&mut self, row: usize, structure: Tree, what: impl Into<String>) {
@@ -48,12 +53,27 @@ impl<'a> Bench<'a> {
         self.report.rows[row].failures.push(failure);
     }
 
-    /// Demands agreement of two tracers, as closely as the device allows.
-    fn agree(&self, reference: &Traced, given: &Traced, counters: bool) -> Result<Summary, Mismatch> {
-        let rays = &self.judged.case.rays;
+    /// The oracle of triangles of one side or of two, and what it says of the case's rays.
+    pub(super) fn truth(&self, one_sided: bool) -> (&Oracle, &Expectation) {
+        if !one_sided {
+            return (&self.judged.oracle, &self.judged.expectation);
+        }
+        let made = || (self.judged.oracle.clone().one_sided(), self.judged.expectation.one_sided());
+        let (oracle, expectation) = self.one_sided.get_or_init(made);
+        (oracle, expectation)
+    }
+
+    /// Demands agreement of two tracers of some rays, as closely as the device allows.
+    pub(super) fn agree(
+        &self,
+        structure: StructureSpec,
+        rays: &[Ray],
+        (reference, given): (&Traced, &Traced),
+        counters: bool,
+    ) -> Result<Summary, Mismatch> {
         match self.accuracy {
             Accuracy::Exact => same_bits(rays, reference, given, counters),
-            Accuracy::Relaxed => nearly(&self.judged.oracle, rays, reference, given),
+            Accuracy::Relaxed => nearly(self.truth(structure.is_one_sided()).0, rays, reference, given),
         }
     }
 
@@ -101,6 +121,10 @@ impl<'a> Bench<'a> {
 
     fn judge_run(&mut self, structure: &Structure, tree: Tree, run: &Run) {
         let row = self.rows[run.row];
+        let rays = &self.judged.case.rays;
+        let one_sided = row.structure.is_one_sided();
+        let agree =
+            |reference, given, counters| self.agree(row.structure, rays, (reference, given), counters);
         let mut wrong = Vec::new();
         let mut note = |what: &str, result: Result<Summary, Mismatch>| match result {
             Ok(summary) => Some(summary),
@@ -109,11 +133,17 @@ impl<'a> Bench<'a> {
                 None
             }
         };
-        let first = self.first.iter().find(|first| first.row.query == row.query);
+        let first_of = |one_sided: bool| {
+            let same = |first: &&First| {
+                first.row.query == row.query && first.row.structure.is_one_sided() == one_sided
+            };
+            self.first.iter().find(same)
+        };
+        let first = first_of(one_sided);
         let agreed = first.map(|first| {
             let what =
                 format!("against {} on {} ({})", first.row.walk, first.row.structure, first.row.device);
-            note(&what, self.agree(&first.traced, &run.counted, false))
+            note(&what, agree(&first.traced, &run.counted, false))
         });
         // What is the same to the bit as a true answer is true: the oracle need not say so again.
         let known = match (first, agreed, self.accuracy) {
@@ -121,28 +151,35 @@ impl<'a> Bench<'a> {
             _ => None,
         };
         let truth = known
-            .or_else(|| note("against the oracle", against_oracle(&self.judged.expectation, &run.counted)));
-        note("without counters", self.agree(&run.counted, &run.plain, false));
+            .or_else(|| note("against the oracle", against_oracle(self.truth(one_sided).1, &run.counted)));
+        // The others of one side have the words of the first.
+        if let (true, Accuracy::Exact, None, Some(both)) = (one_sided, self.accuracy, first, first_of(false))
+        {
+            let what = format!("against two sides of {}", both.row.structure);
+            note(&what, fronts(&self.judged.expectation, &both.traced, &run.counted));
+        }
+        note("without counters", agree(&run.counted, &run.plain, false));
         let twin = twin(row.walk);
         if row.device == DeviceKind::Gpu && is_offered(structure.kind(), twin, row.query, DeviceKind::Cpu) {
             let options = TraceOptions { counters: true };
-            match structure.trace(twin, row.query, &self.judged.case.rays, options) {
-                Ok(twin) => drop(note("against its twin on the cpu", self.agree(&twin, &run.counted, true))),
+            match structure.trace(twin, row.query, rays, options) {
+                Ok(twin) => drop(note("against its twin on the cpu", agree(&twin, &run.counted, true))),
                 Err(error) => wrong.push(error.to_string()),
             }
         }
-        wrong.extend(escaped(&self.judged.case, &run.counted));
+        wrong.extend(escaped(&self.judged.case, one_sided, &run.counted));
         if run.plain.counters.is_some() {
             wrong.push("there are counters that nobody asked for".into());
         }
-        wrong.extend(counters::check(structure, row, &self.judged.case.rays, &run.counted).err());
+        wrong.extend(counters::check(structure, row, rays, &run.counted).err());
+        let is_first = first.is_none();
 
         let result = &mut self.report.rows[run.row];
         result.cases += 1;
-        result.rays += self.judged.case.rays.len();
+        result.rays += rays.len();
         result.clear += truth.map_or(0, |summary| summary.clear);
         result.differing += agreed.flatten().map_or(0, |summary| summary.differing);
-        if first.is_none() {
+        if is_first {
             self.first.push(First { row, traced: run.counted.clone(), truth });
         }
         wrong.into_iter().for_each(|what| self.fail(run.row, tree, what));
@@ -192,7 +229,10 @@ pub(super) fn structure(structure: &Structure, spec: StructureSpec, case: &Case)
             case.skipped
         ));
     }
-    if report.references != structure.triangles().len() {
+    // Lists have each triangle once, and the references to it in their elements.
+    let is_list = matches!(structure, Structure::List(_));
+    let held = if is_list { report.triangles } else { report.references };
+    if held != structure.triangles().len() {
         return Err("the report counts references that are not there".into());
     }
     let of_list = |spec: &StructureSpec| match spec {
@@ -236,16 +276,23 @@ fn references(report: &BuildReport, options: &BuildOptions) -> Result<(), String
     if repeats <= allowed { Ok(()) } else { Err(format!("{repeats} repeats, {allowed} may be")) }
 }
 
-/// The first ray that left a closed mesh.
-fn escaped(case: &Case, traced: &Traced) -> Option<String> {
-    let inside = case.classes.iter().filter(|(class, _)| *class == RayClass::Inside);
+/// The first ray that left a closed mesh, or came in, unseen. Where triangles have one side, their backs let rays out.
+fn escaped(case: &Case, one_sided: bool, traced: &Traced) -> Option<String> {
     let escaped = |index: &usize| match &traced.answer {
         Answer::Closest(hits) => hits.get(*index).is_some_and(|hit| !hit.is_hit()),
         Answer::Any(hits) => hits.get(*index) == Some(&false),
         Answer::Count(counts) => counts.get(*index) == Some(&0),
         Answer::All(lists) => lists.of(*index).is_empty(),
     };
-    let index = inside.flat_map(|(_, range)| range.clone()).find(escaped)?;
-    let ray = case.rays.get(index)?;
-    Some(format!("ray {index} from inside a closed mesh escapes: {ray:?}"))
+    let of_class = |wanted: RayClass| {
+        let ranges = case.classes.iter().filter(move |(class, _)| *class == wanted);
+        ranges.flat_map(|(_, range)| range.clone())
+    };
+    let from_inside = of_class(RayClass::Inside).filter(|_| !one_sided).find(escaped);
+    let from_outside = || of_class(RayClass::Outside).find(escaped);
+    let (index, way) = match from_inside {
+        Some(index) => (index, "from inside a closed mesh escapes"),
+        None => (from_outside()?, "from outside comes into a closed mesh unseen"),
+    };
+    Some(format!("ray {index} {way}: {:?}", case.rays.get(index)?))
 }

@@ -4,10 +4,12 @@
 //! Nothing for a ray that is not valid; no triangle, leaf or node more often than there are of them; no stack deeper
 //! than the tree, or than it was made; brute force tests every triangle exactly once. A restart trail may come by a
 //! node again after each restart, restarts at most once for each child that is not the first of its node, and enters
-//! no leaf twice. A list has no leaves and no stack: each element counts as a node or as a test. A triangle that spatial splits put into several leaves may be tested once in each.
+//! no leaf twice. A triangle that spatial splits put into several leaves may be tested once in each. A list has no leaves and
+//! no stack: each element counts as a node or as a test, and a ray meets those of its own list of each layer alone, once.
 
 use ropewalk::catalogue::Row;
-use ropewalk::{Answer, Counters, Query, Ray, Structure, Traced, Walk};
+use ropewalk::traversal_list::{Element, list_of};
+use ropewalk::{Answer, Counters, PreparedRay, Query, Ray, Structure, Traced, TraversalList, Walk};
 
 /// Checks the counters of one row by themselves.
 ///
@@ -20,9 +22,10 @@ pub fn check(structure: &Structure, row: Row, rays: &[Ray], traced: &Traced) -> 
     if counters.len() != rays.len() || traced.answer.len() != rays.len() {
         return Err(format!("{} rays have {} counters", rays.len(), counters.len()));
     }
+    let holdings = Holdings::new(structure);
     for (index, (ray, counted)) in rays.iter().zip(counters).enumerate() {
-        let checked = if ray.is_valid() {
-            check_ray(structure, row, is_hit(&traced.answer, index), counted)
+        let checked = if let Some(ray) = PreparedRay::new(ray) {
+            check_ray(structure, row, &holdings.of(&ray), is_hit(&traced.answer, index), counted)
         } else if *counted == Counters::default() {
             Ok(())
         } else {
@@ -33,15 +36,73 @@ pub fn check(structure: &Structure, row: Row, rays: &[Ray], traced: &Traced) -> 
     Ok(())
 }
 
-fn check_ray(structure: &Structure, row: Row, hit: bool, counted: &Counters) -> Result<(), &'static str> {
+/// What a ray may come by.
+#[derive(Clone, Copy, Default)]
+struct Holding {
+    inner_nodes: usize,
+    leaves: usize,
+    /// Places of triangles.
+    triangles: usize,
+    /// Whether there is an inner node that each ray comes by.
+    has_root: bool,
+}
+
+/// What the rays may come by, of lists that of each list: of all layers together.
+struct Holdings<'a> {
+    list: Option<&'a TraversalList>,
+    each: Vec<Holding>,
+}
+
+impl<'a> Holdings<'a> {
+    fn new(structure: &'a Structure) -> Self {
+        let Structure::List(list) = structure else {
+            let report = structure.report();
+            let inner_nodes = report.nodes - report.leaves;
+            let (leaves, triangles) = (report.leaves, report.references);
+            let whole = Holding { inner_nodes, leaves, triangles, has_root: inner_nodes > 0 };
+            return Self { list: None, each: vec![whole] };
+        };
+        let of_list = |index: usize| {
+            let mut holding = Holding::default();
+            for layer in 0..list.layers() {
+                let elements = list.list_of_layer(layer, index);
+                let triangles = elements.iter().filter(|element| element.is_triangle()).count();
+                // A hit of the first layer may be enough. A list without any element is none at all.
+                if holding.inner_nodes + holding.triangles == 0 {
+                    holding.has_root = elements.first().is_some_and(|first| !Element::is_triangle(first));
+                }
+                holding.triangles += triangles;
+                holding.inner_nodes += elements.len() - triangles;
+            }
+            holding
+        };
+        let each = (0..list.options().directions.lists()).map(of_list).collect();
+        Self { list: Some(list), each }
+    }
+
+    fn of(&self, ray: &PreparedRay) -> Holding {
+        let index = self.list.map_or(0, |list| list_of(list.options().directions, ray));
+        self.each.get(index).copied().unwrap_or_default()
+    }
+}
+
+fn check_ray(
+    structure: &Structure,
+    row: Row,
+    holding: &Holding,
+    hit: bool,
+    counted: &Counters,
+) -> Result<(), &'static str> {
     let report = structure.report();
-    let inner_nodes = report.nodes - report.leaves;
+    let Holding { inner_nodes, leaves, .. } = *holding;
     let restarts = counted.restarts as usize;
-    if counted.primitive_tests as usize > report.references {
+    // Brute force goes through lists by the numbers of triangles, of which each has one.
+    let is_list = matches!(structure, Structure::List(_));
+    let by_number = is_list && row.walk == Walk::BruteForce;
+    let triangles = if by_number { report.triangles } else { holding.triangles };
+    if counted.primitive_tests as usize > triangles {
         return Err("more triangles were tested than there are");
     }
-    // A list has triangles where a tree has leaves.
-    let leaves = if matches!(structure, Structure::List(_)) { 0 } else { report.leaves };
     if counted.leaf_visits as usize > leaves {
         return Err("more leaves were entered than there are");
     }
@@ -68,12 +129,12 @@ fn check_ray(structure: &Structure, row: Row, hit: bool, counted: &Counters) -> 
     }
     if row.walk == Walk::BruteForce {
         let everything =
-            counted.primitive_tests as usize == report.references && counted.leaf_visits as usize == leaves;
+            counted.primitive_tests as usize == triangles && counted.leaf_visits as usize == leaves;
         let may_stop = row.query == Query::Any && hit;
         if counted.inner_visits > 0 || !(everything || may_stop) {
             return Err("brute force tests every triangle once and no box");
         }
-    } else if (counted.inner_visits == 0) != (inner_nodes == 0) {
+    } else if counted.inner_visits == 0 && holding.has_root {
         return Err("a walk begins at the root's children, if it has any");
     }
     Ok(())

@@ -1,13 +1,16 @@
 //! The conformance suite: every row of the catalogue over every case, on any device.
 //!
 //! For each case and structure, each row is traced with and without counters, and must
-//! * give answers that the f64 oracle accepts, and status words that fit,
-//! * let no ray escape from a closed mesh,
+//! * give answers that the f64 oracle accepts, of one side or of two as the structure has it, and status words that fit,
+//! * let no ray escape from a closed mesh, nor into one,
 //! * give the same answers with counters as without,
-//! * agree with all other rows of its query, whatever their structure and walk: to the bit on exact devices,
+//! * agree with all other rows of its query and as many sides, whatever their structure and walk: to the bit on exact
+//!   devices; and of one side, have no other hits than those of two sides, and lack none of a front,
 //! * agree with its own answers to the other queries,
 //! * count what its walk may count: see [`counters`] and [`relations`],
 //! * refuse a tree that is deeper than its register, and no other: see [`refusal`],
+//! * of traversal lists: answer rays that begin at a head as those that begin with the first element (see `heads`), and go
+//!   through the second layer with what they have of the first (see `layers`),
 //! * on a GPU: agree with its twin on the CPU, counters included on exact devices.
 //!
 //! No walk is the reference: brute force, too, is a row like any other, and is judged by the oracle.
@@ -24,6 +27,8 @@
 
 mod checks;
 pub mod counters;
+mod heads;
+mod layers;
 mod registers;
 pub mod relations;
 mod report;
@@ -39,6 +44,7 @@ use crate::oracle::{Expectation, Oracle};
 use checks::{Bench, Run};
 use rayon::prelude::*;
 use ropewalk::catalogue::Row;
+use ropewalk::traversal_list::Starts;
 use ropewalk::{Query, Ray, Structure, StructureSpec, TraceOptions, Traced, Walk};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -61,6 +67,22 @@ pub trait Device {
         rays: &[Ray],
         options: TraceOptions,
     ) -> Result<Traced, String>;
+
+    /// Traces through the traversal lists that were prepared last, each ray from where `starts` says. `None` where the
+    /// device does not offer that, which the suite then does not ask.
+    ///
+    /// # Errors
+    /// When the device cannot; the suite reports the text.
+    fn trace_from(
+        &mut self,
+        query: Query,
+        rays: &[Ray],
+        starts: Starts<'_>,
+        options: TraceOptions,
+    ) -> Result<Option<Traced>, String> {
+        let _ = (query, rays, starts, options);
+        Ok(None)
+    }
 }
 
 /// The CPU.
@@ -84,6 +106,17 @@ impl Device for Cpu {
     ) -> Result<Traced, String> {
         let structure = self.structure.as_ref().ok_or("no structure is prepared")?;
         structure.trace(walk, query, rays, options).map_err(|error| error.to_string())
+    }
+
+    fn trace_from(
+        &mut self,
+        query: Query,
+        rays: &[Ray],
+        starts: Starts<'_>,
+        options: TraceOptions,
+    ) -> Result<Option<Traced>, String> {
+        let Some(Structure::List(list)) = &self.structure else { return Err("no list is prepared".into()) };
+        list.trace_from(query, rays, starts, options).map(Some).map_err(|error| error.to_string())
     }
 }
 
@@ -221,5 +254,15 @@ fn judge(bench: &mut Bench<'_>, of: StructureSpec, tree: Tree, device: &mut dyn 
             (Err(why), _) => bench.fail(row, tree, why),
         }
     }
+    let listed: Vec<usize> =
+        runs.iter().map(|run| run.row).filter(|&row| bench.rows[row].walk == Walk::List).collect();
+    if let (Structure::List(list), Accuracy::Exact) = (&structure, bench.accuracy) {
+        for (row, what) in layers::check(list, &bench.judged.case.rays, bench.rows, &runs) {
+            bench.fail(row, tree, what);
+        }
+    }
     bench.judge(&structure, tree, runs);
+    if let Structure::List(list) = &structure {
+        heads::judge(bench, list, (tree, &listed), device);
+    }
 }

@@ -3,8 +3,9 @@
 //! **Stacks** (ALGORITHMS B1 to B6). Recursion does the work of the unordered stack; culling, sorting and ordering
 //! never do more than the unordered stack; all hits and count do exactly its work, since nothing is culled; before the
 //! first hit culling changes nothing, so any hit is the same with it. Summed over a class of rays sorting does no more
-//! than culling alone, and ordering no more than sorting, up to the few rays that an order misleads. A wide tree is
-//! walked in one order only, and so is a list: the work of all its hits takes the place of the unordered stack's.
+//! than culling alone, and ordering no more than sorting, up to the few rays that an order misleads. Skip pointers lead to
+//! what the unordered stack visits, in another order. A wide tree is walked in one order only, and so is a list: the work of
+//! all its hits takes the place of the unordered stack's.
 //!
 //! **Restart trails** (ALGORITHMS L2 to L6, C2), against the ordered stack and the same query. They enter the same
 //! leaves and test the same triangles, whatever the short stack; their stack holds what the full one holds, up to its
@@ -34,7 +35,10 @@ type Counted<'a> = Option<(usize, &'a [Counters])>;
 pub fn relations(kind: StructureKind, case: &Case, runs: &[(usize, Row, &Traced)]) -> Vec<(usize, String)> {
     let mut runs = Runs { case, runs, wrong: Vec::new() };
     match kind {
-        StructureKind::Bvh => runs.stacks(),
+        StructureKind::Bvh => {
+            runs.stacks();
+            runs.in_one_order(Walk::List);
+        }
         StructureKind::WideBvh => runs.in_one_order(ORDERED),
         StructureKind::List => runs.in_one_order(Walk::List),
     }
@@ -76,10 +80,12 @@ impl<'a> Runs<'a> {
             let given = self.of(stack(order), Query::Closest);
             self.demand(given, plain, is_no_more, "culling does more than the unordered stack");
         }
+        let skipping = self.of(Walk::List, Query::Closest);
+        self.demand(skipping, plain, is_no_more, "skip pointers do more than the unordered stack");
         for walk in [StackOrder::Unordered, StackOrder::Culled, StackOrder::Sorted, StackOrder::Ordered]
             .map(stack)
             .into_iter()
-            .chain([Walk::Recursive])
+            .chain([Walk::Recursive, Walk::List])
         {
             self.against_whole(walk, plain);
         }

@@ -33,6 +33,8 @@ pub struct RowResult {
     pub rays: usize,
     /// Rays of which the oracle would have accepted one answer alone.
     pub clear: usize,
+    /// Rays that began at a head and were compared with brute force: see [`super::Device::trace_from`].
+    pub from_heads: usize,
     /// Rays at ties and edges where a real GPU answered differently and rightly.
     pub differing: usize,
     /// What was wrong; at most one entry a check and case.
@@ -56,8 +58,15 @@ pub struct Report {
 
 impl Report {
     pub(super) fn new(rows: &[Row]) -> Self {
-        let result =
-            |&row: &Row| RowResult { row, cases: 0, rays: 0, clear: 0, differing: 0, failures: Vec::new() };
+        let result = |&row: &Row| RowResult {
+            row,
+            cases: 0,
+            rays: 0,
+            clear: 0,
+            from_heads: 0,
+            differing: 0,
+            failures: Vec::new(),
+        };
         Self { rows: rows.iter().map(result).collect() }
     }
 
@@ -67,6 +76,7 @@ impl Report {
             result.cases += other.cases;
             result.rays += other.rays;
             result.clear += other.clear;
+            result.from_heads += other.from_heads;
             result.differing += other.differing;
             result.failures.extend(other.failures);
         }

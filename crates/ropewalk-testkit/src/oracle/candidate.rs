@@ -2,7 +2,7 @@
 
 use super::frame::{FLUSHED, RayFrame, Sheared};
 use super::{Corners, Name};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use ropewalk::Hit;
 
 /// Beyond this a f32 product may overflow.
@@ -25,14 +25,17 @@ const UNDERFLOW: f64 = FLUSHED * 1e4;
 /// slope is lost in its error, in a graze, any value between the ray's entry into the triangle's own padded box and
 /// its exit may be reported, for the contract keeps `t` there. A ray that passes by that box misses the triangle,
 /// however the edge functions are rounded.
+///
+/// **One side.** Which side a ray meets is told by two signs, that of the sum of the edge functions and that of the slope of
+/// the plane; see [`Candidate::facing_margin`]. A triangle of one side is hit where both show the front.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
     /// The index of the triangle in the flattened scene.
     pub triangle: u32,
     /// Instance, geometry, primitive.
     pub id: (u32, u32, u32),
-    /// The first triangle of the scene with exactly the same vertices in the same order: two candidates of one
-    /// shape have the same `t` to the bit.
+    /// The first triangle of the scene with exactly the same vertices in the same order and the same side as its front: two
+    /// candidates of one shape have the same `t` to the bit, and show the same side.
     pub shape: u32,
     /// Where the ray meets the triangle's plane, in f64; the middle of the triangle's range in a graze.
     pub t: f64,
@@ -44,12 +47,21 @@ pub struct Candidate {
     pub t_low: f64,
     /// The greatest `t` that f32 may report.
     pub t_high: f64,
+    /// Whether f32 loses `t` as a whole, in a graze or in numbers that are too small: then it may report any `t` at which
+    /// the ray is in the triangle's own box, be the triangle behind the ray's origin.
+    pub t_is_lost: bool,
     /// How far f32 barycentrics may lie from these; infinite in a graze.
     pub barycentric_error: f64,
     /// The smallest edge function in units of its bound, negative outside. Above 1 the ray passes inside.
     pub edge_margin: f64,
     /// The determinant in units of its bound. Above 1 the side is certain.
     pub side_margin: f64,
+    /// How surely the front is met: above 1 it is, below -1 it is not, and between that f32 may see either side or, of a
+    /// triangle of one side, none. It is the lesser of the determinant and the slope of the plane, each in units of its
+    /// bound, positive where the front shows.
+    pub facing_margin: f64,
+    /// Whether only a hit of the front counts.
+    pub one_sided: bool,
     /// How far the range of `t` lies inside the window, in units of `t`; negative when an end cuts it.
     pub window_margin: f64,
     /// Whether f32 may overflow, underflow or lose the ray in a parallel slab, so that nothing is certain.
@@ -105,6 +117,14 @@ impl Candidate {
         if overflows {
             (t_low, t_high) = (f64::NEG_INFINITY, f64::INFINITY);
         }
+        let front_face = ((sum > 0.0) == (frame.dir[frame.axes[2]] > 0.0)) != name.mirrored;
+        let side_margin = sum.abs() / sum_error;
+        let facing_margin = if underflows || overflows {
+            0.0
+        } else {
+            let side = if front_face { side_margin } else { -side_margin };
+            side.min(slope_margin(frame, corners, name.mirrored))
+        };
         let aside = (0..3).any(|axis| {
             let origin = frame.origin[axis];
             frame.is_parallel(axis) && !(low[axis] <= origin && origin <= high[axis])
@@ -119,12 +139,15 @@ impl Candidate {
             shape: name.shape,
             t,
             barycentrics,
-            front_face: ((sum > 0.0) == (frame.dir[frame.axes[2]] > 0.0)) != name.mirrored,
+            front_face,
             t_low,
             t_high,
+            t_is_lost: t_error.is_infinite() || underflows || overflows,
             barycentric_error,
             edge_margin: if sum >= 0.0 { least } else { -most },
-            side_margin: sum.abs() / sum_error,
+            side_margin,
+            facing_margin,
+            one_sided: false,
             window_margin: (t_low - t_min).min(t_max - t_high),
             out_of_range: underflows || overflows || aside,
         })
@@ -133,7 +156,16 @@ impl Candidate {
     /// Whether every right implementation reports the triangle.
     #[must_use]
     pub fn is_certain(&self) -> bool {
-        self.edge_margin > 1.0 && self.window_margin >= 0.0 && !self.out_of_range
+        self.edge_margin > 1.0
+            && self.window_margin >= 0.0
+            && !self.out_of_range
+            && (!self.one_sided || self.facing_margin > 1.0)
+    }
+
+    /// The same triangle with one side, which only hits of its front count of; `None` where the ray surely meets its back.
+    #[must_use]
+    pub fn one_sided(self) -> Option<Self> {
+        (self.facing_margin >= -1.0).then_some(Self { one_sided: true, ..self })
     }
 
     /// What is wrong with a hit of this triangle, its id and the window aside.
@@ -145,6 +177,9 @@ impl Candidate {
                 "t is {t:e}, but the triangle is at {:e}, in f32 between {:e} and {:e}",
                 self.t, self.t_low, self.t_high
             ));
+        }
+        if self.one_sided && !hit.front_face {
+            return Some("a back face is reported, but these triangles have one side".into());
         }
         if self.side_margin > 1.0 && !self.out_of_range && hit.front_face != self.front_face {
             return Some(format!("front_face is {}, but should be {}", hit.front_face, self.front_face));
@@ -186,12 +221,7 @@ fn edge(frame: &RayFrame, p: Sheared, q: Sheared) -> (f64, f64) {
 /// That turns the plane about the vertex that it is hung up at, and so counts with the distance from there to the
 /// hit alone. The two dot products add 5 roundings each of what they sum.
 fn plane_error(frame: &RayFrame, corners: &Corners, t: f64) -> f64 {
-    let edges = [corners[1] - corners[0], corners[2] - corners[1], corners[0] - corners[2]];
-    let longest = (0..3).fold(0, |best, i| if edges[i].length() > edges[best].length() { i } else { best });
-    let (first, second) = (edges[(longest + 1) % 3], edges[(longest + 2) % 3]);
-    let product = first.length() * second.length();
-    let normal = first.cross(second);
-    let normal_error = 14.0 * frame.unit * product;
+    let Plane { normal, normal_error, product } = Plane::of(frame, corners);
     let hit = frame.origin + frame.dir * t;
     let turned = normal_error * corners.map(|corner| (corner - hit).length()).into_iter().fold(0.0, f64::max);
     let reach = (corners[0] - frame.origin).length() + (frame.dir * t).length();
@@ -202,6 +232,40 @@ fn plane_error(frame: &RayFrame, corners: &Corners, t: f64) -> f64 {
     let slope = normal.dot(frame.dir).abs()
         - (normal_error + 5.0 * frame.unit * normal.length()) * frame.dir.length();
     if slope <= 0.0 { f64::INFINITY } else { (turned + summed) / slope + 6.0 * frame.unit * t.abs() }
+}
+
+/// The slope of the ray against the front in units of its bound, negative where the ray comes from the back.
+///
+/// Of the five roundings of the dot product one is to spare: it covers that a component to which the ray is parallel for the
+/// slab test, 2^-64 of the largest one, is left out.
+fn slope_margin(frame: &RayFrame, corners: &Corners, mirrored: bool) -> f64 {
+    let Plane { normal, normal_error, product } = Plane::of(frame, corners);
+    let length = frame.dir.length();
+    let error = (normal_error + 5.0 * frame.unit * normal.length()) * length + 8.0 * FLUSHED * length;
+    if product < UNDERFLOW {
+        return 0.0;
+    }
+    let slope = normal.dot(frame.dir) / error;
+    if mirrored { slope } else { -slope }
+}
+
+/// A triangle's plane as f32 computes it: the cross product of the two shorter edges, how far it may lie off, and the
+/// product of the edges' lengths.
+struct Plane {
+    normal: DVec3,
+    normal_error: f64,
+    product: f64,
+}
+
+impl Plane {
+    fn of(frame: &RayFrame, corners: &Corners) -> Self {
+        let edges = [corners[1] - corners[0], corners[2] - corners[1], corners[0] - corners[2]];
+        let longest =
+            (0..3).fold(0, |best, i| if edges[i].length() > edges[best].length() { i } else { best });
+        let (first, second) = (edges[(longest + 1) % 3], edges[(longest + 2) % 3]);
+        let product = first.length() * second.length();
+        Self { normal: first.cross(second), normal_error: 14.0 * frame.unit * product, product }
+    }
 }
 
 fn overflows(frame: &RayFrame, vertices: &[Sheared; 3], determinant: f64, depth: f64) -> bool {

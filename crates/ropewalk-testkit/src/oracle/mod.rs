@@ -25,6 +25,7 @@ pub struct Oracle {
     triangles: Vec<Corners>,
     names: Vec<Name>,
     rounding: f64,
+    one_sided: bool,
 }
 
 /// The vertices of a triangle.
@@ -37,7 +38,7 @@ struct Name {
     mirrored: bool,
     /// In the top 8 bits, as in [`FlatTriangle`].
     mask: u32,
-    /// The first triangle with exactly the same vertices in the same order.
+    /// The first triangle with exactly the same vertices in the same order, mirrored or not as this one.
     shape: u32,
 }
 
@@ -46,7 +47,7 @@ impl Oracle {
     /// adapters.
     #[must_use]
     pub fn new(scene: &FlatScene) -> Self {
-        let mut shapes: HashMap<[[u32; 3]; 3], u32> = HashMap::new();
+        let mut shapes: HashMap<([[u32; 3]; 3], bool), u32> = HashMap::new();
         let mut names = Vec::with_capacity(scene.triangles.len());
         for (index, triangle) in scene.triangles.iter().enumerate() {
             let bits = [triangle.v0, triangle.v1, triangle.v2].map(|vertex| vertex.map(f32::to_bits));
@@ -54,10 +55,15 @@ impl Oracle {
                 id: (triangle.instance(), triangle.geometry(), triangle.primitive),
                 mirrored: triangle.is_mirrored(),
                 mask: triangle.instance_and_mask & 0xff00_0000,
-                shape: *shapes.entry(bits).or_insert(index as u32),
+                shape: *shapes.entry((bits, triangle.is_mirrored())).or_insert(index as u32),
             });
         }
-        Self { triangles: scene.triangles.iter().map(corners).collect(), names, rounding: 1.0 }
+        Self {
+            triangles: scene.triangles.iter().map(corners).collect(),
+            names,
+            rounding: 1.0,
+            one_sided: false,
+        }
     }
 
     /// The oracle of a scene's triangles.
@@ -73,6 +79,14 @@ impl Oracle {
     #[must_use]
     pub fn with_rounding(self, rounding: f64) -> Self {
         Self { rounding, ..self }
+    }
+
+    /// The same of triangles that have one side: a hit counts only on the front, the side from which the vertices run
+    /// counter-clockwise in the object's own space, and strictly: where the facing is lost in its error, the triangle may
+    /// be reported, and need not be.
+    #[must_use]
+    pub fn one_sided(self) -> Self {
+        Self { one_sided: true, ..self }
     }
 
     /// The factor for [`Oracle::with_rounding`] on real GPUs.
@@ -96,6 +110,7 @@ impl Oracle {
             .enumerate()
             .filter(|(_, (corners, name))| !frame.surely_misses(corners) && name.mask & (ray.mask << 24) != 0)
             .filter_map(|(index, (corners, name))| Candidate::new(&frame, corners, name, index as u32))
+            .filter_map(|candidate| if self.one_sided { candidate.one_sided() } else { Some(candidate) })
             .collect();
         candidates.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
         candidates
@@ -120,6 +135,15 @@ pub struct Expectation {
     pub rays: Vec<Ray>,
     /// Their candidates, nearest first.
     pub candidates: Vec<Vec<Candidate>>,
+}
+
+impl Expectation {
+    /// What is expected of the same rays where triangles have one side. It asks the oracle nothing again.
+    #[must_use]
+    pub fn one_sided(&self) -> Self {
+        let front = |all: &Vec<Candidate>| all.iter().filter_map(|it| it.one_sided()).collect();
+        Self { rays: self.rays.clone(), candidates: self.candidates.iter().map(front).collect() }
+    }
 }
 
 #[cfg(test)]
@@ -199,6 +223,7 @@ mod tests {
     fn the_f32_triangle_test_stays_within_the_bounds() {
         let mut random = Random::new(77);
         let (mut hits, mut certain) = (0, 0usize);
+        let (mut fronts, mut certain_fronts) = (0, 0usize);
         for round in 0..40 {
             let scale = 10f32.powi(round % 9 - 4);
             let offset = Vec3::splat(if round % 3 == 0 { 1000.0 * scale } else { 0.0 });
@@ -213,8 +238,19 @@ mod tests {
                 let candidates = oracle.candidates(&ray);
                 let prepared = ropewalk::PreparedRay::new(&ray).unwrap();
                 for (index, triangle) in flat.triangles.iter().enumerate() {
-                    let hit = triangle.intersect(&prepared, ray.t_max);
                     let candidate = candidates.iter().find(|candidate| candidate.triangle == index as u32);
+                    let front = triangle.intersect_front(&prepared, ray.t_max);
+                    match (front, candidate.and_then(|it| it.one_sided())) {
+                        (Some(hit), None) => panic!("the back {hit:?} is no candidate of {ray:?}"),
+                        (None, Some(it)) => assert!(!it.is_certain(), "{ray:?} {it:?}"),
+                        (None, None) => {}
+                        (Some(hit), Some(it)) => {
+                            fronts += 1;
+                            certain_fronts += usize::from(it.is_certain());
+                            assert_eq!(it.objection(&hit), None, "{ray:?} {hit:?} {it:?}");
+                        }
+                    }
+                    let hit = triangle.intersect(&prepared, ray.t_max);
                     match (hit, candidate) {
                         (Some(hit), None) => panic!("{hit:?} is no candidate of {ray:?}"),
                         (None, Some(candidate)) => assert!(!candidate.is_certain(), "{ray:?} {candidate:?}"),
@@ -229,6 +265,61 @@ mod tests {
             }
         }
         assert!(hits > 30_000 && certain * 100 > hits * 99, "{certain} of {hits} are clear");
+        let clear = format!("{certain_fronts} of {fronts} fronts are clear");
+        assert!(fronts > 14_000 && fronts < hits && certain_fronts * 100 > fronts * 99, "{clear}");
+    }
+
+    /// In each of the three orders of the axes, turned either way, and mirrored.
+    #[test]
+    fn one_side_is_seen_from_its_front_alone() {
+        for turn in 0..3 {
+            let turned = |v: Vec3| Vec3::from_array(std::array::from_fn(|i| v[(i + 3 - turn) % 3]));
+            let mesh = Mesh::new([Vec3::ZERO, Vec3::X, Vec3::Y].map(turned).to_vec(), vec![[0, 1, 2]]);
+            for (scale, front) in [(1.0, -1.0), (-1.0, 1.0)] {
+                let mut scene = Scene::default();
+                let object = scene.add_object(mesh.clone());
+                // Mirrored along the normal: the vertices stay where they are, the front turns round.
+                let mirror = Vec3::ONE + turned(Vec3::Z) * (scale - 1.0);
+                let place = ropewalk::Transform::new(glam::Affine3A::from_scale(mirror)).unwrap();
+                scene.add_instance(object, place);
+                let (both, one) =
+                    (Oracle::of_scene(&scene).unwrap(), Oracle::of_scene(&scene).unwrap().one_sided());
+                let ray = |z: f32| {
+                    Ray::new(turned(Vec3::new(0.2, 0.3, -3.0 * z)), turned(Vec3::new(0.01, -0.02, z)))
+                };
+                let [hit] = one.candidates(&ray(front))[..] else { panic!("turn {turn}, scale {scale}") };
+                assert!(hit.is_certain() && hit.front_face && hit.facing_margin > 1e4, "{hit:?}");
+                assert!(one.candidates(&ray(-front)).is_empty(), "turn {turn}, scale {scale}");
+                let [back] = both.candidates(&ray(-front))[..] else { panic!() };
+                assert!(back.is_certain() && !back.front_face && back.facing_margin < -1e4, "{back:?}");
+                // What is seen in the plane may be called either.
+                let graze = Ray::new(turned(Vec3::new(-1.0, 0.25, 0.0)), turned(Vec3::X));
+                assert!(one.candidates(&graze).iter().all(|it| it.facing_margin.abs() <= 1.0));
+                let expected = both.expect(vec![ray(front), ray(-front), graze]).one_sided();
+                let again = one.expect(expected.rays.clone());
+                assert_eq!(expected.candidates, again.candidates);
+            }
+        }
+    }
+
+    /// A ray that sees the front almost from the side is certain as long as f32 can tell, and no longer.
+    #[test]
+    fn the_facing_is_lost_where_f32_loses_it() {
+        let oracle =
+            oracle(&[[Vec3::new(0.1, 0.2, 0.3), Vec3::new(1.3, 0.4, 0.9), Vec3::new(0.2, 1.7, 0.6)]])
+                .one_sided();
+        let corners = oracle.triangles[0];
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let along = (corners[1] - corners[0]).normalize();
+        let certain = |slope: f64| {
+            let dir = along - normal * slope;
+            let ray = Ray::new((middle - dir * 2.0).as_vec3(), dir.as_vec3());
+            oracle.candidates(&ray).first().map(|candidate| candidate.facing_margin > 1.0)
+        };
+        assert_eq!((certain(1e-3), certain(-1e-3)), (Some(true), None));
+        assert_ne!(certain(1e-8), Some(true));
+        assert_ne!(certain(-1e-8), Some(true));
     }
 
     #[test]

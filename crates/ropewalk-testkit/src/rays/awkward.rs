@@ -49,15 +49,37 @@ impl RayMaker<'_> {
         let mut random = self.random(RayClass::Inside);
         (0..count)
             .map(|_| {
-                let from = inside + random.in_cube() * (reach * 0.57);
-                let target = match random.below(8) {
-                    0 | 1 => from + random.direction(),
-                    2 | 3 => self.vertex(&mut random),
-                    _ => self.on_edge(&mut random),
-                };
+                let (from, target) = self.point_and_target(inside, reach, &mut random);
                 towards(from, target)
             })
             .collect()
+    }
+
+    /// `count` rays from far outside through edges, vertices and (one in four) anywhere into the ball of radius `reach`
+    /// about `inside`. A closed mesh that contains that ball lets none in unseen, and where its fronts are outside, each
+    /// meets a front.
+    #[must_use]
+    pub fn rays_from_outside(&self, inside: DVec3, reach: f64, count: usize) -> Vec<Ray> {
+        let mut random = self.random(RayClass::Outside);
+        let far = 2.0 * self.diagonal();
+        (0..count)
+            .map(|_| {
+                let (into, target) = self.point_and_target(inside, reach, &mut random);
+                let outwards = (target - into).try_normalize().unwrap_or(DVec3::X);
+                towards(target + outwards * far, into)
+            })
+            .collect()
+    }
+
+    /// A point of a ball, and what is looked at from there.
+    fn point_and_target(&self, inside: DVec3, reach: f64, random: &mut Random) -> (DVec3, DVec3) {
+        let from = inside + random.in_cube() * (reach * 0.57);
+        let target = match random.below(8) {
+            0 | 1 => from + random.direction(),
+            2 | 3 => self.vertex(random),
+            _ => self.on_edge(random),
+        };
+        (from, target)
     }
 
     fn around(&self, random: &mut Random) -> DVec3 {

@@ -55,6 +55,9 @@ pub enum RayClass {
     /// From inside a closed mesh at its edges and vertices: none may escape. Not made by [`RayMaker::make`],
     /// which knows no inside; see [`RayMaker::rays_from_inside`].
     Inside,
+    /// From outside of a closed mesh through its edges and vertices into its middle: none may come in unseen, be it that
+    /// triangles have one side. Not made by [`RayMaker::make`] either; see [`RayMaker::rays_from_outside`].
+    Outside,
 }
 
 impl RayClass {
@@ -109,6 +112,7 @@ impl RayClass {
             Self::OnSurface => "on-surface",
             Self::Invalid => "invalid",
             Self::Inside => "inside",
+            Self::Outside => "outside",
         }
     }
 
@@ -187,7 +191,7 @@ impl<'a> RayMaker<'a> {
                 self.random(class).shuffle(&mut rays);
                 rays
             }
-            RayClass::Inside => Vec::new(),
+            RayClass::Inside | RayClass::Outside => Vec::new(),
             _ => self.awkward(class, count, closest),
         }
     }

@@ -39,6 +39,13 @@ impl View {
         self.eye
     }
 
+    /// The directions at the upper left of the picture, and from there to its right and down: a ray at `x`, `y` of the
+    /// picture, both 0 to 1, goes along the first and so many of the others.
+    #[must_use]
+    pub fn picture(&self) -> [Vec3; 3] {
+        [self.forward - self.right + self.up, self.right * 2.0, self.up * -2.0].map(DVec3::as_vec3)
+    }
+
     /// The first `count` rays, row by row, of the smallest square picture that has as many pixels.
     #[must_use]
     pub fn rays(&self, count: usize) -> Vec<Ray> {
@@ -65,6 +72,9 @@ mod tests {
         assert_eq!(rays.len(), 9);
         assert_eq!((rays[4].origin, rays[4].dir), (Vec3::new(1.0, 2.0, 3.0), Vec3::NEG_Z));
         assert!(rays[0].dir.x < 0.0 && rays[0].dir.y > 0.0, "the first pixel is at the upper left");
+        let [corner, right, down] = view.picture();
+        let middle = (corner + right * 0.5 + down * 0.5).normalize();
+        assert!((middle - Vec3::NEG_Z).length() < 1e-6 && corner.x < 0.0 && corner.y > 0.0);
         assert!(View::look_at(Vec3::ZERO, Vec3::Y, 1.0).rays(1)[0].is_valid());
         assert!(View::look_at(Vec3::ONE, Vec3::ONE, 1.0).rays(1)[0].is_valid());
     }

@@ -1,11 +1,14 @@
 //! Devices that are broken on purpose, and what the suite must say of them.
 
+mod caught;
+
+pub(crate) use caught::demand_caught;
+
 use ropewalk::catalogue::Row;
 use ropewalk::{Bvh, DeviceKind, Query, Ray, Structure, StructureSpec, TraceOptions, Traced, Walk};
 use ropewalk_testkit::cases::Case;
 
 use ropewalk_testkit::conformance::{Accuracy, Device, Report, Suite};
-use std::fmt;
 
 /// What a device is asked.
 #[derive(Clone, Copy)]
@@ -70,11 +73,4 @@ pub(crate) fn row(walk: Walk, query: Query) -> Row {
 pub(crate) fn run(case: &str, rows: &[Row], accuracy: Accuracy, mut device: impl Device) -> Report {
     let case = Case::named(case).unwrap_or_else(|| panic!("there is no case {case}"));
     Suite::of(vec![case], accuracy).run(rows, &mut device, &mut |_, _| {})
-}
-
-/// Demands that a fault is caught over a case, by a check whose words contain `says`.
-pub(crate) fn demand_caught(report: &Report, fault: impl fmt::Debug, case: &str, says: &str) {
-    let texts: Vec<String> = report.failures().map(|(_, failure)| failure.what.clone()).collect();
-    assert!(report.is_caught_by(case), "{fault:?} slips through the case {case}");
-    assert!(texts.iter().any(|text| text.contains(says)), "{fault:?}: no text says '{says}': {texts:#?}");
 }

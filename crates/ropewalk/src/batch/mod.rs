@@ -3,7 +3,7 @@
 mod trace;
 
 pub use trace::settle;
-pub(crate) use trace::{Traversal, answer_each, gather};
+pub(crate) use trace::{Question, Traversal, answer_each, gather};
 
 use crate::{CounterTotals, Counters, Hit, Query, Status};
 

@@ -10,47 +10,60 @@ use crate::{Counters, Hit, NoProbe, PreparedRay, Probe, Query, Ray, Status};
 /// Rays that a thread takes at a time: long enough to hide the hand-over, short enough to share the work.
 const CHUNK: usize = 1024;
 
+/// What a walk is asked: a ray, and perhaps something that is known of it.
+pub(crate) trait Question: Sync {
+    /// The ray.
+    fn ray(&self) -> &Ray;
+}
+
+impl Question for Ray {
+    #[inline(always)]
+    fn ray(&self) -> &Self {
+        self
+    }
+}
+
 /// A structure together with the way to walk it.
-pub(crate) trait Traversal: Sync {
-    /// Leads a ray through the structure, and gives back what was collected and counted.
-    fn visit<C: Collect, P: Probe>(&self, ray: &PreparedRay, collect: C, probe: P) -> (C, P);
+pub(crate) trait Traversal<Q: Question = Ray>: Sync {
+    /// Leads the ray of a question, ready made, through the structure, and gives back what was collected and counted.
+    fn visit<C: Collect, P: Probe>(&self, question: &Q, ray: &PreparedRay, collect: C, probe: P) -> (C, P);
 
     /// Whether a triangle may stand in several leaves, so that its hit may be offered several times.
     fn has_repeats(&self) -> bool;
 
     /// The answer of a query, and what was counted on the way. With [`HitCount`] it counts offers.
     #[inline(always)]
-    fn summary<S: Summary, P: Probe + Default>(&self, ray: &Ray) -> (S::Answer, P) {
-        match PreparedRay::new(ray) {
+    fn summary<S: Summary, P: Probe + Default>(&self, question: &Q) -> (S::Answer, P) {
+        match PreparedRay::new(question.ray()) {
             None => Default::default(),
             Some(ray) => {
-                let (summary, probe) = self.visit(&ray, S::new(&ray), P::default());
+                let (summary, probe) = self.visit(question, &ray, S::new(&ray), P::default());
                 (summary.answer(), probe)
             }
         }
     }
 
     /// How many hits a ray has in its window, each triangle's once; 0 where the ray is not valid.
-    fn count(&self, ray: &Ray) -> u32 {
+    fn count(&self, question: &Q) -> u32 {
         if self.has_repeats() {
             let mut hits = Vec::new();
-            self.append_all(ray, &mut hits, NoProbe);
+            self.append_all(question, &mut hits, NoProbe);
             return hits.len() as u32;
         }
-        self.summary::<HitCount, NoProbe>(ray).0
+        self.summary::<HitCount, NoProbe>(question).0
     }
 
     /// Appends every hit of a ray, each triangle's once, sorted by `t`, ties by id.
-    fn append_all<P: Probe + Default>(&self, ray: &Ray, hits: &mut Vec<Hit>, probe: P) -> P {
-        let Some(ray) = PreparedRay::new(ray) else { return probe };
+    fn append_all<P: Probe + Default>(&self, question: &Q, hits: &mut Vec<Hit>, probe: P) -> P {
+        let Some(ray) = PreparedRay::new(question.ray()) else { return probe };
         let first = hits.len();
-        let probe = self.visit(&ray, AllHits::new(&ray, hits), probe).1;
+        let probe = self.visit(question, &ray, AllHits::new(&ray, hits), probe).1;
         settle(hits, first, self.has_repeats());
         probe
     }
 
     /// Traces a batch.
-    fn trace(&self, query: Query, rays: &[Ray], options: TraceOptions) -> Traced {
+    fn trace(&self, query: Query, rays: &[Q], options: TraceOptions) -> Traced {
         if options.counters {
             let (answer, counters) = self.by_probe::<Counters>(query, rays);
             Traced { answer, status: statuses(rays), counters: Some(counters) }
@@ -61,7 +74,7 @@ pub(crate) trait Traversal: Sync {
     }
 
     /// Traces a batch and counts with one probe a ray.
-    fn by_probe<P: Probe + Copy + Default + Send>(&self, query: Query, rays: &[Ray]) -> (Answer, Vec<P>) {
+    fn by_probe<P: Probe + Copy + Default + Send>(&self, query: Query, rays: &[Q]) -> (Answer, Vec<P>) {
         match query {
             Query::Closest => {
                 let (hits, probes) = self.each::<ClosestHit, P>(rays);
@@ -90,14 +103,14 @@ pub(crate) trait Traversal: Sync {
     }
 
     /// The small answers of many rays.
-    fn each<S: Summary, P: Probe + Copy + Default + Send>(&self, rays: &[Ray]) -> (Vec<S::Answer>, Vec<P>) {
+    fn each<S: Summary, P: Probe + Copy + Default + Send>(&self, rays: &[Q]) -> (Vec<S::Answer>, Vec<P>) {
         let mut records = vec![(S::Answer::default(), P::default()); rays.len()];
         answer_each(rays, &mut records, |ray| self.summary::<S, P>(ray));
         records.into_iter().unzip()
     }
 
     /// Every hit of many rays.
-    fn lists<P: Probe + Copy + Default + Send>(&self, rays: &[Ray]) -> (HitLists, Vec<P>) {
+    fn lists<P: Probe + Copy + Default + Send>(&self, rays: &[Q]) -> (HitLists, Vec<P>) {
         let (offsets, hits, probes) = gather(rays, |ray, hits| self.append_all(ray, hits, P::default()));
         (HitLists { offsets, hits }, probes)
     }
@@ -164,9 +177,10 @@ fn keep_first_of_each(hits: &mut Vec<Hit>, first: usize) {
     hits.truncate(kept);
 }
 
-fn statuses(rays: &[Ray]) -> Vec<Status> {
-    let status = |ray: &Ray| if ray.is_valid() { Status::COMPLETE } else { Status::INVALID_RAY };
-    rays.iter().map(status).collect()
+fn statuses<Q: Question>(questions: &[Q]) -> Vec<Status> {
+    let status =
+        |question: &Q| if question.ray().is_valid() { Status::COMPLETE } else { Status::INVALID_RAY };
+    questions.iter().map(status).collect()
 }
 
 #[cfg(test)]

@@ -15,11 +15,13 @@ pub(crate) mod validate;
 pub mod walk;
 
 pub use build::options::{BuildOptions, Builder, LeafOrder};
+pub(crate) use build::tree_over;
 pub use node::Node;
 pub use report::BuildReport;
 pub use walk::StackOrder;
 
 use crate::{Aabb, BuildError, FlatTriangle, Monitor, NoMonitor, Scene, ValidationError};
+use std::sync::OnceLock;
 
 /// The deepest leaf that any builder may make, the root being at depth 0. Walks have stacks of this many
 /// entries: a walk postpones at most one child a level.
@@ -31,6 +33,8 @@ pub struct Bvh {
     nodes: Vec<Node>,
     triangles: Vec<FlatTriangle>,
     report: BuildReport,
+    /// Where each node's subtree ends, for [`walk::SkipPointers`]; there when it was first asked for.
+    skips: OnceLock<Vec<u32>>,
 }
 
 impl Bvh {
@@ -41,7 +45,7 @@ impl Bvh {
     pub fn from_parts(nodes: Vec<Node>, triangles: Vec<FlatTriangle>) -> Result<Self, ValidationError> {
         validate::validate(&nodes, &triangles)?;
         let report = BuildReport::measure(&nodes, &triangles, validate::count_distinct(&triangles));
-        Ok(Self { nodes, triangles, report })
+        Ok(Self { nodes, triangles, report, skips: OnceLock::new() })
     }
 
     /// Takes the structure apart: nodes, triangles, report.
@@ -65,6 +69,12 @@ impl Bvh {
     #[must_use]
     pub fn report(&self) -> &BuildReport {
         &self.report
+    }
+
+    /// Where each node's subtree ends among the nodes. Worked out when it is first asked for, 4 bytes a node.
+    #[must_use]
+    pub fn skips(&self) -> &[u32] {
+        self.skips.get_or_init(|| walk::skip_pointers(&self.nodes))
     }
 
     /// Whether some triangle stands in more than one leaf: see [`Builder::Sbvh`].

@@ -114,8 +114,10 @@ pub const fn is_offered(structure: StructureKind, walk: Walk, query: Query, devi
     let first_hits = matches!(query, Query::Closest | Query::Any);
     match (device, walk, structure) {
         (DeviceKind::Cpu, Walk::BruteForce, _) => true,
-        // The one walk of lists, on the CPU alone; lists have no other.
-        (DeviceKind::Cpu, Walk::List, StructureKind::List) => true,
+        // The one walk of lists; on a graphics adapter they have no other.
+        (_, Walk::List, StructureKind::List) => true,
+        // By skip pointers.
+        (DeviceKind::Cpu, Walk::List, StructureKind::Bvh) => true,
         (_, Walk::List, _) | (_, _, StructureKind::List) => false,
         (DeviceKind::Gpu, Walk::BruteForce | Walk::Recursive, _) => false,
         (_, Walk::Stack(StackOrder::Ordered), _) => true,
@@ -174,6 +176,10 @@ mod tests {
         for full in [format!("bvh:{keys}"), format!("wide-bvh:width=4,collapse=sah,{keys}")] {
             assert_eq!(full.parse::<StructureSpec>().unwrap().to_string(), full);
         }
+        let full = "list:source=sah,bounds=aabb,directions=6,order=latest-last,big=30,cull=exact,heads=simple,clearance=above,frustum-grid=16,moving=3";
+        assert_eq!(full.parse::<StructureSpec>().unwrap().to_string(), full);
+        let best = "list:preset=best,frustum-grid=8".parse::<StructureSpec>().unwrap();
+        assert_eq!(best.to_string(), "list:source=sbvh,bounds=aabb,cull=exact,heads=regular,frustum-grid=8");
         assert_eq!("wide-bvh:width=8".parse::<StructureSpec>().unwrap().to_string(), "wide-bvh");
         let full = "restart-trail:short-stack=3,register=u64,memory=workgroup";
         assert_eq!(full.parse::<Walk>().unwrap().to_string(), full);

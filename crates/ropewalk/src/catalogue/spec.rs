@@ -49,6 +49,14 @@ impl Written {
         if value == plain { self } else { self.key(key, value) }
     }
 
+    /// Writes `key=value` where there is a value.
+    pub(super) fn given(self, key: &str, value: Option<impl std::fmt::Display>) -> Self {
+        match value {
+            Some(value) => self.key(key, value),
+            None => self,
+        }
+    }
+
     /// Writes the name of a choice where it differs from the default.
     pub(super) fn chosen<T: PartialEq>(self, key: &str, value: &T, plain: &T, names: &[(&str, T)]) -> Self {
         match names.iter().find(|(_, it)| it == value) {

@@ -4,7 +4,9 @@ use super::spec::{Spec, Written, number, pick, unknown};
 use super::{StructureKind, Walk};
 use crate::bvh::{BuildOptions, Builder, Bvh, LeafOrder};
 use crate::error::{BuildError, CatalogueError, TraceError};
-use crate::traversal_list::{Bounds, ChildOrder, Directions, ListOptions, Source, TraversalList};
+use crate::traversal_list::{
+    Bounds, ChildOrder, Clearance, Cull, Directions, Heads, ListOptions, Source, TraversalList,
+};
 use crate::wide_bvh::{Collapse, WideBvh, WideOptions, Width};
 use crate::{BuildReport, FlatTriangle, Monitor, Query, Ray, Scene, TraceOptions, Traced};
 use std::borrow::Cow;
@@ -45,19 +47,21 @@ impl StructureSpec {
             Self::WideBvh(wide),
             Self::WideBvh(WideOptions { width: Width::Four, collapse: Collapse::Sah, build: sbvh }),
             Self::List(list),
-            Self::List(ListOptions { bounds: Bounds::Aabb, directions: Directions::One, ..list }),
             Self::List(ListOptions {
                 source: Source::Sah,
-                directions: Directions::Six,
-                order: ChildOrder::LatestLast,
+                bounds: Bounds::Aabb,
+                directions: Directions::Two,
+                moving: Some(1),
                 ..list
             }),
             Self::List(ListOptions {
-                source: Source::Sbvh,
-                bounds: Bounds::Aabb,
-                directions: Directions::Two,
+                directions: Directions::Six,
+                order: ChildOrder::LatestLast,
+                cull: Cull::Exact,
+                heads: Heads::Simple,
                 ..list
             }),
+            Self::List(ListOptions::BEST),
         ]
     }
 
@@ -91,6 +95,15 @@ impl StructureSpec {
         }
     }
 
+    /// Whether triangles have one side: rays pass through them from behind.
+    #[must_use]
+    pub const fn is_one_sided(&self) -> bool {
+        match self {
+            Self::Bvh(_) | Self::WideBvh(_) => false,
+            Self::List(options) => options.is_one_sided(),
+        }
+    }
+
     /// Builds the structure over a scene.
     ///
     /// # Errors
@@ -118,6 +131,9 @@ fn build_keys(written: Written, options: &BuildOptions) -> Written {
 
 const BUILD_KEYS: [&str; 7] =
     ["builder", "max-leaf", "max-depth", "bins", "duplication", "reinsertion", "leaf-order"];
+
+const LIST_KEYS: [&str; 10] =
+    ["preset", "source", "bounds", "directions", "order", "big", "cull", "heads", "frustum-grid", "moving"];
 
 /// Takes a key of a builder; false when it is none.
 fn set_build_key(options: &mut BuildOptions, key: &str, value: &str) -> Result<bool, CatalogueError> {
@@ -154,6 +170,11 @@ impl fmt::Display for StructureSpec {
                     .chosen("directions", &options.directions, &plain.directions, Directions::NAMES)
                     .chosen("order", &options.order, &plain.order, ChildOrder::NAMES)
                     .changed("big", options.big, plain.big)
+                    .chosen("cull", &options.cull, &plain.cull, Cull::NAMES)
+                    .chosen("heads", &options.heads, &plain.heads, Heads::NAMES)
+                    .chosen("clearance", &options.clearance, &plain.clearance, Clearance::NAMES)
+                    .changed("frustum-grid", options.frustum_grid, plain.frustum_grid)
+                    .given("moving", options.moving)
                     .under("list")
             }
         })
@@ -194,15 +215,18 @@ impl FromStr for StructureSpec {
                 let mut options = ListOptions::default();
                 for (key, value) in spec.options {
                     match key {
+                        "preset" => options = pick(key, value, ListOptions::PRESETS)?,
                         "source" => options.source = pick(key, value, Source::NAMES)?,
                         "bounds" => options.bounds = pick(key, value, Bounds::NAMES)?,
                         "directions" => options.directions = pick(key, value, Directions::NAMES)?,
                         "order" => options.order = pick(key, value, ChildOrder::NAMES)?,
                         "big" => options.big = number(key, value)?,
-                        _ => {
-                            let right = ["source", "bounds", "directions", "order", "big"];
-                            return Err(unknown("key of the structure list", key, &right));
-                        }
+                        "cull" => options.cull = pick(key, value, Cull::NAMES)?,
+                        "heads" => options.heads = pick(key, value, Heads::NAMES)?,
+                        "clearance" => options.clearance = pick(key, value, Clearance::NAMES)?,
+                        "frustum-grid" => options.frustum_grid = number(key, value)?,
+                        "moving" => options.moving = Some(number(key, value)?),
+                        _ => return Err(unknown("key of the structure list", key, &LIST_KEYS)),
                     }
                 }
                 Ok(Self::List(options))
@@ -263,6 +287,15 @@ impl Structure {
         }
     }
 
+    /// Whether triangles have one side: see [`StructureSpec::is_one_sided`].
+    #[must_use]
+    pub const fn is_one_sided(&self) -> bool {
+        match self {
+            Self::Bvh(_) | Self::WideBvh(_) => false,
+            Self::List(list) => list.is_one_sided(),
+        }
+    }
+
     /// Whether some triangle stands in more than one leaf: see [`Builder::Sbvh`].
     #[must_use]
     pub const fn has_repeats(&self) -> bool {
@@ -274,7 +307,7 @@ impl Structure {
     }
 
     /// The triangles, in the order of the leaves; one stands in several places where spatial splits put it into
-    /// several leaves. Lists have them in pieces, of which they are put together here.
+    /// several leaves. Lists have them in pieces, of which they are put together here, each once, by their numbers.
     #[must_use]
     pub fn triangles(&self) -> Cow<'_, [FlatTriangle]> {
         match self {

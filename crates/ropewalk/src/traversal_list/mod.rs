@@ -6,55 +6,68 @@
 //! else is remembered, so any ray may begin at any element, and several lists may be walked one after the other.
 //!
 //! Since the order of children is fixed, there are several lists of the same hierarchy, each for the rays of some directions
-//! ([`Directions`]), with the children in the order in which such rays are likely to meet them ([`ChildOrder`]).
+//! ([`Directions`]), with the children in the order in which such rays are likely to meet them ([`ChildOrder`]), and perhaps
+//! without what such rays cannot see ([`Cull`]).
 //!
 //! | file | concept |
 //! |---|---|
 //! | `element` | 20 bytes, and the special values of the escape index |
 //! | `options` | what lists are made of and how |
 //! | `octree` | the paper's hierarchy |
+//! | `reach` | what spheres hold |
 //! | `hierarchy` | any hierarchy, that of a binary tree too |
 //! | `directions` | the sets of directions, and the list of a ray |
 //! | `packed_box` | boxes in the room of a sphere |
+//! | `vertices` | what all lists share |
+//! | `cull` | what a list may leave out |
 //! | `encode` | from a hierarchy to a list |
+//! | `layer` | the lists of a part of the scene |
+//! | `heads` | where a ray may begin of which something is known |
+//! | `build` | from a scene to its lists |
+//! | `update` | a scene that moved, without a new build |
 //! | `validate` | the rules of the structure |
-//! | `walk` | the loop |
+//! | `walk`, `trace` | the loop, and one ray or many |
 //!
 //! **Cost.** 20 bytes an element and list, of which there is one a triangle and one an inner node; besides, once for all
-//! lists, 12 bytes a vertex and 12 a triangle. An element that is visited counts as one inner visit or one primitive test.
+//! lists, 12 bytes a vertex and 24 a triangle, and 4 bytes a triangle and list with heads. An element that is visited counts
+//! as one inner visit or one primitive test.
 //!
-//! **Invariants** of every [`TraversalList`], checked by [`TraversalList::validate`]: an inner node has a child, and its
-//! subtree ends within the list, at the end of its parent's or before; its volume holds all volumes and triangles' boxes
-//! below it (with spatial splits, the parts of these that its hierarchy put there); the last element is a triangle with the
-//! escape index 0, and no other has it; an inner node has the index -1 exactly where its subtree ends with the list;
-//! all lists hold the same triangles.
+//! **Invariants** of every [`TraversalList`], checked by [`TraversalList::validate`]: an inner node has at least two
+//! children, and its subtree ends within the list, at the end of its parent's or before; its volume holds all volumes and
+//! triangles' boxes below it (with spatial splits, the parts of these that its hierarchy put there; by [`Reach::Vertices`],
+//! the vertices); the last element of a list is a triangle with the escape index 0, and no other has it; an inner node has
+//! the index -1 exactly where its subtree ends with the list; the lists of a layer hold its triangles, but for those that
+//! they may leave out.
 
+mod build;
+mod cull;
 mod directions;
 mod element;
 mod encode;
+pub mod heads;
 mod hierarchy;
+mod layer;
 mod octree;
 mod options;
 pub mod packed_box;
+mod reach;
+mod trace;
+mod update;
 mod validate;
+mod vertices;
 mod walk;
 
 pub use directions::{along, list_of};
 pub use element::Element;
-pub use options::{Bounds, ChildOrder, Directions, ListOptions, Source};
+pub use heads::{Frustum, HeadTable, NO_HEAD, Starts};
+pub use layer::Layer;
+pub use options::{Bounds, ChildOrder, Clearance, Cull, Directions, Heads, ListOptions, Source};
 pub use packed_box::{Grid, PackedBox};
+pub use reach::Reach;
+pub use update::UpdateReport;
 
-use crate::clock::Clock;
-use crate::parallel::map_chunks;
-use crate::progress::Progress;
-use crate::{
-    Aabb, BuildError, BuildReport, FlatScene, FlatTriangle, Monitor, NoMonitor, Scene, ValidationError,
-};
+use crate::{Aabb, BuildReport, FlatTriangle, ValidationError};
 use bytemuck::{Pod, Zeroable};
-use encode::Encoder;
-use glam::Vec3;
-use hierarchy::Child;
-use std::collections::HashMap;
 
 /// Who a triangle is. Three little-endian words, those of [`FlatTriangle`] between its vertices.
 #[repr(C)]
@@ -68,18 +81,34 @@ pub struct Identity {
     pub instance_and_mask: u32,
 }
 
+impl Identity {
+    pub(super) const fn of(triangle: &FlatTriangle) -> Self {
+        Self {
+            primitive: triangle.primitive,
+            geometry_and_mirror: triangle.geometry_and_mirror,
+            instance_and_mask: triangle.instance_and_mask,
+        }
+    }
+}
+
 /// Traversal lists over the triangles of a scene.
+///
+/// Triangles are numbered in the order of their instances, geometries and primitives, each once.
 #[derive(Clone, Debug)]
 pub struct TraversalList {
     options: ListOptions,
-    /// All lists, one after the other.
+    /// All lists of all layers, one after the other.
     elements: Vec<Element>,
     /// Where each list begins, and where the last one ends.
     starts: Vec<u32>,
+    layers: Vec<Layer>,
     vertices: Vec<[f32; 3]>,
+    corners: Vec<[u32; 3]>,
     identities: Vec<Identity>,
     bounds: Aabb,
-    grid: Grid,
+    /// The largest magnitude of any coordinate.
+    largest: f32,
+    heads: Option<HeadTable>,
     report: BuildReport,
 }
 
@@ -90,35 +119,80 @@ impl TraversalList {
         &self.options
     }
 
-    /// The elements of a list. There are [`Directions::lists`] of them, in the order of [`along`].
+    /// Whether triangles have one side: see [`Cull`].
+    #[must_use]
+    pub const fn is_one_sided(&self) -> bool {
+        self.options.is_one_sided()
+    }
+
+    /// The elements of a list of the first layer. There are [`Directions::lists`] of them, in the order of [`along`].
     #[must_use]
     pub fn list(&self, list: usize) -> &[Element] {
-        match (self.starts.get(list), self.starts.get(list + 1)) {
-            (Some(&from), Some(&to)) => &self.elements[from as usize..to as usize],
+        self.list_of_layer(0, list)
+    }
+
+    /// The elements of a list of a layer.
+    #[inline(always)]
+    #[must_use]
+    pub fn list_of_layer(&self, layer: usize, list: usize) -> &[Element] {
+        let lists = self.options.directions.lists();
+        let place = layer * lists + list;
+        match (self.starts.get(place), self.starts.get(place + 1)) {
+            (Some(&from), Some(&to)) if list < lists => &self.elements[from as usize..to as usize],
             _ => &[],
         }
     }
 
-    /// The vertices that all lists share, each position once.
+    /// The elements of all lists of all layers, one after the other.
+    #[must_use]
+    pub fn elements(&self) -> &[Element] {
+        &self.elements
+    }
+
+    /// Where each list of each layer begins among [`TraversalList::elements`], and where the last one ends.
+    #[must_use]
+    pub fn starts(&self) -> &[u32] {
+        &self.starts
+    }
+
+    /// How many layers there are, one or two.
+    #[must_use]
+    pub const fn layers(&self) -> usize {
+        self.layers.len()
+    }
+
+    /// A layer.
+    #[must_use]
+    pub fn layer(&self, layer: usize) -> Option<&Layer> {
+        self.layers.get(layer)
+    }
+
+    /// The vertices that all lists share.
     #[must_use]
     pub fn vertices(&self) -> &[[f32; 3]] {
         &self.vertices
     }
 
-    /// Who each triangle is: what the fourth word of a triangle's payload leads to. As many as there are references.
+    /// The three vertices of each triangle, by its number.
+    #[must_use]
+    pub fn corners(&self) -> &[[u32; 3]] {
+        &self.corners
+    }
+
+    /// Who each triangle is, by its number, to which the fourth word of a triangle's payload leads.
     #[must_use]
     pub fn identities(&self) -> &[Identity] {
         &self.identities
     }
 
-    /// The grid of the boxes.
+    /// The largest magnitude of any coordinate.
     #[must_use]
-    pub const fn grid(&self) -> &Grid {
-        &self.grid
+    pub const fn largest_coordinate(&self) -> f32 {
+        self.largest
     }
 
-    /// How it was built, and what came of it. `nodes` counts the elements of one list, `leaves` the triangles among them;
-    /// `bytes` is everything, all lists included.
+    /// How it was built, and what came of it. `nodes` counts the elements of a list that leaves nothing out, `leaves` the
+    /// triangles among them; `bytes` is everything, all lists and heads included.
     #[must_use]
     pub fn report(&self) -> &BuildReport {
         &self.report
@@ -136,25 +210,49 @@ impl TraversalList {
         self.bounds
     }
 
+    /// The share of places of triangles that the lists leave out, over all lists: 0 to 1.
+    #[must_use]
+    pub fn culled_share(&self) -> f64 {
+        let places = self.report.references * self.options.directions.lists();
+        let held = self.elements.iter().filter(|element| element.is_triangle()).count();
+        if places == 0 { 0.0 } else { 1.0 - held as f64 / places as f64 }
+    }
+
     /// The triangle of an element that is one.
     #[inline(always)]
     #[must_use]
     pub fn triangle(&self, element: &Element) -> FlatTriangle {
-        let [a, b, c, identity] = element.payload.map(|word| word as usize);
-        let Identity { primitive, geometry_and_mirror, instance_and_mask } = self.identities[identity];
-        FlatTriangle {
-            v0: self.vertices[a],
-            primitive,
-            v1: self.vertices[b],
-            geometry_and_mirror,
-            v2: self.vertices[c],
-            instance_and_mask,
-        }
+        let [a, b, c, number] = element.payload;
+        self.assemble([a, b, c], number)
     }
 
-    /// The triangles, in the order of the first list.
+    /// A triangle by its number, which must be below that of [`TraversalList::identities`].
+    #[inline(always)]
+    #[must_use]
+    pub fn triangle_at(&self, number: u32) -> FlatTriangle {
+        self.assemble(self.corners[number as usize], number)
+    }
+
+    #[inline(always)]
+    fn assemble(&self, corners: [u32; 3], number: u32) -> FlatTriangle {
+        let Identity { primitive, geometry_and_mirror, instance_and_mask } = self.identities[number as usize];
+        let [v0, v1, v2] = corners.map(|corner| self.vertices[corner as usize]);
+        FlatTriangle { v0, primitive, v1, geometry_and_mirror, v2, instance_and_mask }
+    }
+
+    /// The number of the triangle with these indices of instance, geometry and primitive, as [`crate::Hit::id`] gives
+    /// them. `None` where there is none.
+    #[must_use]
+    pub fn number_of(&self, id: (u32, u32, u32)) -> Option<u32> {
+        let key = |it: &Identity| {
+            (it.instance_and_mask & 0x00ff_ffff, it.geometry_and_mirror & !FlatTriangle::MIRROR, it.primitive)
+        };
+        self.identities.binary_search_by_key(&id, key).ok().map(|number| number as u32)
+    }
+
+    /// The triangles by their numbers.
     pub fn triangles(&self) -> impl Iterator<Item = FlatTriangle> {
-        self.list(0).iter().filter(|element| element.is_triangle()).map(|element| self.triangle(element))
+        (0..self.identities.len() as u32).map(|number| self.triangle_at(number))
     }
 
     /// Checks every rule of the structure.
@@ -163,154 +261,5 @@ impl TraversalList {
     /// Names the first element that breaks one, counted over all lists.
     pub fn validate(&self) -> Result<(), ValidationError> {
         validate::validate(self)
-    }
-
-    fn encode(
-        options: &ListOptions,
-        root: Option<&Child>,
-        triangles: &[FlatTriangle],
-        report: BuildReport,
-    ) -> Result<Self, BuildError> {
-        let bounds =
-            triangles.iter().map(|triangle| triangle.triangle().bounds()).fold(Aabb::EMPTY, Aabb::union);
-        let grid = Grid::over(&bounds);
-        let (vertices, corners) = share_vertices(triangles);
-        let directions = along(options.directions);
-        let lists: Vec<Vec<Element>> = map_chunks(&directions, 1, |_, directions| {
-            let of = |&along: &Vec3| {
-                let (bounds, order) = (options.bounds, options.order);
-                let encoder = Encoder { triangles, corners: &corners, bounds, grid: &grid, along, order };
-                root.map_or_else(Vec::new, |root| encoder.encode(root))
-            };
-            directions.iter().flat_map(of).collect()
-        });
-        let one = lists.first().map_or(0, Vec::len);
-        let all = one * lists.len();
-        let limit = i32::MAX as usize;
-        if all > limit {
-            return Err(BuildError::TooMany { what: "elements of all lists", count: all, limit });
-        }
-        let starts = (0..=lists.len()).map(|list| (list * one) as u32).collect();
-        let identity = |triangle: &FlatTriangle| Identity {
-            primitive: triangle.primitive,
-            geometry_and_mirror: triangle.geometry_and_mirror,
-            instance_and_mask: triangle.instance_and_mask,
-        };
-        let mut this = Self {
-            options: *options,
-            elements: lists.concat(),
-            starts,
-            vertices,
-            identities: triangles.iter().map(identity).collect(),
-            bounds,
-            grid,
-            report,
-        };
-        this.report.nodes = one;
-        this.report.leaves = triangles.len();
-        this.report.largest_leaf = u32::from(!triangles.is_empty());
-        this.report.depth = root.map_or(0, depth);
-        this.report.sah_cost = root.map_or(0.0, cost);
-        this.report.bytes = size_of_val(this.elements.as_slice())
-            + size_of_val(this.vertices.as_slice())
-            + size_of_val(this.identities.as_slice());
-        Ok(this)
-    }
-}
-
-/// The positions of all vertices, each once, and for each triangle which are its own. By bits: 0 and -0 stay what they are.
-fn share_vertices(triangles: &[FlatTriangle]) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
-    let mut places: HashMap<[u32; 3], u32> = HashMap::with_capacity(triangles.len());
-    let mut vertices = Vec::new();
-    let mut place = |vertex: [f32; 3]| {
-        *places.entry(vertex.map(f32::to_bits)).or_insert_with(|| {
-            vertices.push(vertex);
-            vertices.len() as u32 - 1
-        })
-    };
-    let corners = triangles.iter().map(|it| [it.v0, it.v1, it.v2].map(&mut place)).collect();
-    (vertices, corners)
-}
-
-/// The depth of the deepest triangle below.
-fn depth(child: &Child) -> u32 {
-    match child {
-        Child::Triangle(_) => 0,
-        Child::Group(group) => 1 + group.children.iter().map(depth).max().unwrap_or(0),
-    }
-}
-
-/// What a random ray through the root costs by the surface area heuristic, by boxes: 1 for each element that it tests.
-fn cost(root: &Child) -> f64 {
-    fn weighted(child: &Child) -> f64 {
-        match child {
-            Child::Triangle(_) => 0.0,
-            Child::Group(group) => {
-                let tested = f64::from(group.bounds.half_area()) * group.children.len() as f64;
-                tested + group.children.iter().map(weighted).sum::<f64>()
-            }
-        }
-    }
-    match root {
-        Child::Group(group) if group.bounds.half_area() > 0.0 => {
-            1.0 + weighted(root) / f64::from(group.bounds.half_area())
-        }
-        _ => 1.0,
-    }
-}
-
-impl Scene {
-    /// Builds traversal lists over all instances.
-    ///
-    /// ```
-    /// use ropewalk::{ListOptions, Mesh, Ray, Scene, glam::Vec3};
-    /// let mesh = Mesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]);
-    /// let list = Scene::from_mesh(mesh).build_list(&ListOptions::default())?;
-    /// assert!(list.any(&Ray::new(Vec3::new(0.2, 0.3, 5.0), -Vec3::Z)));
-    /// # Ok::<(), ropewalk::BuildError>(())
-    /// ```
-    ///
-    /// # Errors
-    /// When the scene or an option is out of range.
-    pub fn build_list(&self, options: &ListOptions) -> Result<TraversalList, BuildError> {
-        self.build_list_monitored(options, &NoMonitor)
-    }
-
-    /// Builds traversal lists over all instances, under the eyes of a monitor that may cancel the build of the hierarchy.
-    ///
-    /// # Errors
-    /// When the scene or an option is out of range, or the monitor cancels.
-    pub fn build_list_monitored(
-        &self,
-        options: &ListOptions,
-        monitor: &dyn Monitor,
-    ) -> Result<TraversalList, BuildError> {
-        options.check()?;
-        if let Some(build) = options.build_options() {
-            let bvh = self.build_monitored(&build, monitor)?;
-            let clock = Clock::start();
-            let root = hierarchy::of_bvh(&bvh);
-            let mut list = TraversalList::encode(options, root.as_ref(), bvh.triangles(), *bvh.report())?;
-            list.report.build_time += clock.elapsed();
-            return Ok(list);
-        }
-        let clock = Clock::start();
-        let FlatScene { triangles, report: input } = self.flatten()?;
-        let flatten_time = clock.elapsed();
-        let clock = Clock::start();
-        let progress = Progress::new(monitor, triangles.len());
-        let root = octree::build(&triangles, options.big, &progress);
-        progress.finish()?;
-        let count = triangles.len();
-        let report = BuildReport {
-            input,
-            flatten_time,
-            triangles: count,
-            references: count,
-            ..BuildReport::default()
-        };
-        let mut list = TraversalList::encode(options, root.as_ref(), &triangles, report)?;
-        list.report.build_time = clock.elapsed();
-        Ok(list)
     }
 }

@@ -9,9 +9,10 @@
 //! Side by side where there are threads; the same tree for any number of them.
 
 use super::hierarchy::{Child, Group};
+use super::{ListOptions, Reach};
 use crate::parallel::join;
 use crate::progress::Progress;
-use crate::{Aabb, FlatTriangle, Sphere};
+use crate::{Aabb, FlatTriangle};
 use glam::Vec3;
 
 /// Triangles in one group that are not divided any further.
@@ -32,7 +33,11 @@ struct Item {
 }
 
 /// Builds the hierarchy; `None` where there are no triangles. Where the monitor cancels, what comes is not whole.
-pub(super) fn build(triangles: &[FlatTriangle], big: u32, progress: &Progress<'_>) -> Option<Child> {
+pub(super) fn build(
+    triangles: &[FlatTriangle],
+    options: &ListOptions,
+    progress: &Progress<'_>,
+) -> Option<Child> {
     let item = |(index, triangle): (usize, &FlatTriangle)| {
         let bounds = triangle.triangle().bounds();
         let [a, b, c] = triangle.triangle().vertices;
@@ -40,13 +45,16 @@ pub(super) fn build(triangles: &[FlatTriangle], big: u32, progress: &Progress<'_
         Item { index: index as u32, bounds, barycenter: (a + b + c) / 3.0, radius }
     };
     let mut items: Vec<Item> = triangles.iter().enumerate().map(item).collect();
-    (!items.is_empty()).then(|| Division { big: big as f32 / 100.0, progress }.divide(&mut items, 0))
+    let division = Division { triangles, big: options.big as f32 / 100.0, reach: options.reach, progress };
+    (!items.is_empty()).then(|| division.divide(&mut items, 0))
 }
 
 /// What holds for the whole division.
 struct Division<'a> {
+    triangles: &'a [FlatTriangle],
     /// The share of its node's radius from which on a triangle is big.
     big: f32,
+    reach: Reach,
     progress: &'a Progress<'a>,
 }
 
@@ -57,7 +65,9 @@ impl Division<'_> {
             return Child::Triangle(only.index);
         }
         let bounds = items.iter().map(|item| item.bounds).fold(Aabb::EMPTY, Aabb::union);
-        let sphere = Sphere::about(bounds.center(), items.iter().map(|item| item.bounds));
+        let vertices = items.iter().flat_map(|item| self.triangles[item.index as usize].triangle().vertices);
+        let boxes = items.iter().map(|item| item.bounds);
+        let sphere = self.reach.sphere(bounds.center(), boxes, vertices);
         let big_ones = partition(items, |item| item.radius >= self.big * sphere.radius);
         let (large, small) = items.split_at_mut(big_ones);
         self.progress.add(large.len());
@@ -67,7 +77,7 @@ impl Division<'_> {
             let groups = groups(small, bounds.center(), depth);
             children.extend(each(groups, &|group| self.divide(group, depth + 1)));
         }
-        Child::Group(Box::new(Group { bounds, sphere, children }))
+        Child::Group(Box::new(Group { number: 0, bounds, sphere, children }))
     }
 }
 

@@ -1,5 +1,6 @@
 //! What lists are made of and how.
 
+use super::Reach;
 use crate::{BuildError, BuildOptions, Builder};
 
 /// The hierarchy that the lists go through depth first.
@@ -81,6 +82,60 @@ impl Directions {
     }
 }
 
+/// Which triangles a list leaves out, because no ray of its directions can see their front.
+///
+/// With any but `None` the triangles have one side: rays pass through them from behind, in all lists and all walks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Cull {
+    /// None: triangles have two sides.
+    #[default]
+    None,
+    /// Those whose front no direction of the list runs against: see [`intersect_front`](crate::FlatTriangle::intersect_front).
+    Exact,
+    /// Those whose normal lies in the list's own set of directions, by the paper's rule: 1 of 6 instead of 1 of 9.2.
+    /// **It loses hits** (ALGORITHMS: C3). It is there to be measured; it has no name and no place in the catalogue.
+    AsPrinted,
+}
+
+impl Cull {
+    /// The names on the command line.
+    pub const NAMES: &[(&str, Self)] = &[("none", Self::None), ("exact", Self::Exact)];
+}
+
+/// Where rays may begin that start on a triangle: see [`super::heads`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Heads {
+    /// With the first element.
+    #[default]
+    Disabled,
+    /// Behind what lies below the triangle's plane.
+    Simple,
+    /// Besides, behind what lies behind the triangle for all directions of the list.
+    Regular,
+}
+
+impl Heads {
+    /// The names on the command line.
+    pub const NAMES: &[(&str, Self)] =
+        &[("disabled", Self::Disabled), ("simple", Self::Simple), ("regular", Self::Regular)];
+}
+
+/// What is known of rays that start on a triangle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Clearance {
+    /// They begin on its surface, as near as rounding puts them: what touches its plane may be hit.
+    #[default]
+    Surface,
+    /// They begin clearly above its plane, so that they cannot hit the triangle itself nor its neighbours below: see
+    /// [`super::TraversalList::polygon_starts`], which gives no heads to rays that do not.
+    Above,
+}
+
+impl Clearance {
+    /// The names on the command line.
+    pub const NAMES: &[(&str, Self)] = &[("surface", Self::Surface), ("above", Self::Above)];
+}
+
 /// Settings of [`super::TraversalList`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ListOptions {
@@ -88,6 +143,8 @@ pub struct ListOptions {
     pub source: Source,
     /// What bounds its nodes.
     pub bounds: Bounds,
+    /// What spheres hold.
+    pub reach: Reach,
     /// How many lists there are.
     pub directions: Directions,
     /// The order of a node's children.
@@ -95,6 +152,18 @@ pub struct ListOptions {
     /// Octree: a triangle whose radius is at least this share of its node's, in percent, becomes a child of the node
     /// itself. 50 visits the least elements in every scene that was tried (ALGORITHMS: T12).
     pub big: u32,
+    /// What lists leave out.
+    pub cull: Cull,
+    /// Whether each triangle has heads of its own.
+    pub heads: Heads,
+    /// Where rays begin for which these heads are.
+    pub clearance: Clearance,
+    /// Cells a side of the screen, each with heads of its own for primary rays; 0 for none. The camera is not known when a
+    /// list is built, so this is for those who know it: see [`super::TraversalList::frustum_heads`].
+    pub frustum_grid: u32,
+    /// The instance with which a second layer begins: those before it make the first, which is for what does not move.
+    /// `None` for one layer of all.
+    pub moving: Option<u32>,
 }
 
 impl Default for ListOptions {
@@ -103,9 +172,15 @@ impl Default for ListOptions {
         Self {
             source: Source::Octree,
             bounds: Bounds::Sphere,
+            reach: Reach::Boxes,
             directions: Directions::Eight,
             order: ChildOrder::EarliestFirst,
             big: 50,
+            cull: Cull::None,
+            heads: Heads::Disabled,
+            clearance: Clearance::Surface,
+            frustum_grid: 0,
+            moving: None,
         }
     }
 }
@@ -114,18 +189,45 @@ impl ListOptions {
     /// The least and the most that [`ListOptions::big`] may be.
     pub const BIG: [u32; 2] = [1, 1000];
 
+    /// The most cells a side of the screen.
+    pub const MOST_FRUSTUM_GRID: u32 = 64;
+
+    /// The lists that visit the least elements of all that were tried: eight, of boxes over a tree with spatial splits,
+    /// without what their directions cannot see, and with heads for rays that start on a triangle.
+    pub const BEST: Self = Self {
+        source: Source::Sbvh,
+        bounds: Bounds::Aabb,
+        reach: Reach::Boxes,
+        directions: Directions::Eight,
+        order: ChildOrder::EarliestFirst,
+        big: 50,
+        cull: Cull::Exact,
+        heads: Heads::Regular,
+        clearance: Clearance::Surface,
+        frustum_grid: 0,
+        moving: None,
+    };
+
+    /// The names of whole settings on the command line.
+    pub const PRESETS: &[(&str, Self)] = &[("best", Self::BEST)];
+
     /// Refuses what is out of range.
     pub(super) fn check(&self) -> Result<(), BuildError> {
-        let [smallest, largest] = Self::BIG;
-        if (smallest..=largest).contains(&self.big) {
-            return Ok(());
-        }
-        Err(BuildError::Option {
-            option: "big",
-            value: self.big as usize,
-            smallest: smallest as usize,
-            largest: largest as usize,
-        })
+        let range = |option, value: u32, [smallest, largest]: [u32; 2]| {
+            if (smallest..=largest).contains(&value) {
+                return Ok(());
+            }
+            let [value, smallest, largest] = [value, smallest, largest].map(|number| number as usize);
+            Err(BuildError::Option { option, value, smallest, largest })
+        };
+        range("big", self.big, Self::BIG)?;
+        range("frustum-grid", self.frustum_grid, [0, Self::MOST_FRUSTUM_GRID])
+    }
+
+    /// Whether triangles have one side.
+    #[must_use]
+    pub const fn is_one_sided(&self) -> bool {
+        !matches!(self.cull, Cull::None)
     }
 
     /// How the binary tree is built that the lists come from, if they come from one. A list has one triangle an element,

@@ -1,25 +1,31 @@
 //! The rules of traversal lists: see [`super`].
 
-use super::{Bounds, Element, TraversalList};
+use super::cull::Hidden;
+use super::{Bounds, Element, Layer, TraversalList};
 use crate::{Aabb, ValidationError};
 use glam::Vec3;
 
-/// Checks every list by itself, and that all hold the same triangles.
+/// Checks every list by itself, and that those of a layer hold its triangles.
 pub(super) fn validate(lists: &TraversalList) -> Result<(), ValidationError> {
-    let mut expected: Option<Vec<u32>> = None;
-    for list in 0..lists.options().directions.lists() {
-        let first = lists.starts.get(list).map_or(0, |&start| start as usize);
-        let elements = lists.list(list);
-        let wrong = |(node, what): (usize, String)| ValidationError { node: first + node, what };
-        Checker { lists, elements }.check().map_err(wrong)?;
+    let (count, options) = (lists.options().directions.lists(), lists.options());
+    for (place, &start) in lists.starts.iter().enumerate().take(count * lists.layers.len()) {
+        let (layer, list) = (place / count, place % count);
+        let elements = lists.list_of_layer(layer, list);
+        let wrong = |(node, what): (usize, String)| ValidationError { node: start as usize + node, what };
+        Checker { lists, layer: &lists.layers[layer], elements }.check().map_err(wrong)?;
         let mut held: Vec<u32> =
             elements.iter().filter(|it| it.is_triangle()).map(|it| it.payload[3]).collect();
         held.sort_unstable();
-        if held.len() != lists.identities.len() || !held.iter().copied().eq(0..held.len() as u32) {
-            return Err(wrong((0, "the list does not hold every triangle once".into())));
+        let places = held.len();
+        held.dedup();
+        if !lists.has_repeats() && held.len() != places {
+            return Err(wrong((0, "the list holds a triangle twice".into())));
         }
-        if expected.get_or_insert_with(|| held.clone()) != &held {
-            return Err(wrong((0, "the lists hold different triangles".into())));
+        let hidden = Hidden::new(options.cull, options.directions, list);
+        let own = lists.layers[layer].triangles.clone();
+        let expected = own.filter(|&number| !hidden.hides(&lists.triangle_at(number)));
+        if !held.into_iter().eq(expected) {
+            return Err(wrong((0, "the list does not hold the triangles that it should".into())));
         }
     }
     Ok(())
@@ -27,6 +33,7 @@ pub(super) fn validate(lists: &TraversalList) -> Result<(), ValidationError> {
 
 struct Checker<'a> {
     lists: &'a TraversalList,
+    layer: &'a Layer,
     elements: &'a [Element],
 }
 
@@ -59,8 +66,15 @@ impl Checker<'_> {
                 if [a, b, c].iter().any(|&vertex| vertex >= vertices) || identity >= identities {
                     return fail("it has a vertex or a name that is not there");
                 }
-                let bounds = self.lists.triangle(element).triangle().bounds();
-                let holds = |(_, volume): &(usize, Volume)| volume.holds_box(&bounds);
+                let triangle = self.lists.triangle(element).triangle();
+                let options = self.lists.options();
+                // What each node above must hold: the box, or each vertex, a box of no size.
+                let vertices = triangle.vertices.map(|vertex| Aabb::new(vertex, vertex));
+                let held = match options.reach.is_of_vertices(options.bounds) {
+                    true => vertices.as_slice(),
+                    false => &[triangle.bounds()],
+                };
+                let holds = |(_, volume): &(usize, Volume)| held.iter().all(|part| volume.holds_box(part));
                 if !self.lists.has_repeats() && !open.iter().all(holds) {
                     return fail("its box leaves the volume of a node above it");
                 }
@@ -85,7 +99,7 @@ impl Checker<'_> {
         match self.lists.options.bounds {
             Bounds::Sphere => Volume::Sphere(element.sphere()),
             Bounds::Aabb => {
-                let [min, max] = element.packed_box().corners(&self.lists.grid);
+                let [min, max] = element.packed_box().corners(&self.layer.grid);
                 Volume::Box(Aabb::new(min.truncate(), max.truncate()))
             }
         }
@@ -159,11 +173,7 @@ mod tests {
                 (triangle, &|it| it.elements[triangle].escape = 0, "index 0"),
                 (triangle, &|it| it.elements[triangle].payload[1] = 9999, "not there"),
                 (triangle, &|it| it.vertices[it.elements[triangle].payload[0] as usize][0] = 99.0, "leaves"),
-                (
-                    0,
-                    &|it| it.elements[triangle].payload[3] = it.elements[len - 1].payload[3],
-                    "every triangle",
-                ),
+                (0, &|it| it.elements[triangle].payload[3] = it.elements[len - 1].payload[3], "twice"),
             ];
             for (node, change, what) in cases {
                 let error = broken(change);

@@ -2,7 +2,8 @@
 
 use super::Arguments;
 use crate::scene_argument::LoadedScene;
-use ropewalk::{BuildReport, Structure};
+use ropewalk::traversal_list::{Element, HeadTable};
+use ropewalk::{BuildReport, Structure, TraversalList};
 use ropewalk_gpu::{AdapterSummary, Gpu};
 use serde::Serialize;
 
@@ -52,6 +53,43 @@ pub(super) struct SkippedRecord {
     pub(super) first: String,
 }
 
+/// Traversal lists, and where their memory goes.
+#[derive(Debug, Serialize)]
+pub(super) struct ListsRecord {
+    /// Lists of each layer.
+    pub(super) lists: usize,
+    pub(super) layers: usize,
+    /// Elements of all lists of all layers.
+    pub(super) elements: usize,
+    pub(super) bytes_per_element: usize,
+    /// The share of triangles, over all lists, that lists leave out because their rays do not see them.
+    pub(super) culled_share: f64,
+    pub(super) one_sided: bool,
+    pub(super) element_bytes: usize,
+    /// What all lists share: vertices, and who each triangle is.
+    pub(super) shared_bytes: usize,
+    /// Heads of triangles.
+    pub(super) head_bytes: usize,
+}
+
+impl ListsRecord {
+    pub(super) fn new(list: &TraversalList) -> Self {
+        let element_bytes = size_of_val(list.elements());
+        let head_bytes = list.polygon_heads().map_or(0, HeadTable::bytes);
+        Self {
+            lists: list.options().directions.lists(),
+            layers: list.layers(),
+            elements: list.elements().len(),
+            bytes_per_element: size_of::<Element>(),
+            culled_share: list.culled_share(),
+            one_sided: list.is_one_sided(),
+            element_bytes,
+            shared_bytes: list.report().bytes.saturating_sub(element_bytes + head_bytes),
+            head_bytes,
+        }
+    }
+}
+
 #[derive(Debug, Serialize)]
 pub(super) struct StructureRecord {
     pub(super) name: String,
@@ -62,8 +100,8 @@ pub(super) struct StructureRecord {
     pub(super) reference_growth: f64,
     /// Children a node, where every node has as much room.
     pub(super) width: Option<usize>,
-    /// Traversal lists of that many elements each.
-    pub(super) lists: Option<usize>,
+    /// What there is of traversal lists.
+    pub(super) lists: Option<ListsRecord>,
     pub(super) nodes: usize,
     pub(super) leaves: usize,
     pub(super) depth: u32,
@@ -145,7 +183,7 @@ impl Document {
                     _ => None,
                 },
                 lists: match built {
-                    Structure::List(list) => Some(list.options().directions.lists()),
+                    Structure::List(list) => Some(ListsRecord::new(list)),
                     _ => None,
                 },
                 nodes: report.nodes,
@@ -168,12 +206,20 @@ fn growth(report: &BuildReport) -> f64 {
     if report.triangles == 0 { 0.0 } else { more as f64 / report.triangles as f64 }
 }
 
+/// Bytes before the elements of lists in their buffer.
+const LIST_HEADER: usize = 80 * size_of::<u32>();
+
 /// Asks every adapter whether it holds the structure.
 fn fits(structure: &Structure) -> Vec<Fit> {
     // As the structure lies in buffers: nodes in one, triangles in another.
     let (node_bytes, triangle_bytes) = match structure {
         Structure::Bvh(bvh) => (size_of_val(bvh.nodes()), size_of_val(bvh.triangles())),
         Structure::WideBvh(bvh) => (size_of_val(bvh.children()), size_of_val(bvh.triangles())),
+        // Where each list begins stands before the elements; vertices and who each triangle is in the other.
+        Structure::List(list) => (
+            LIST_HEADER + size_of_val(list.elements()),
+            size_of_val(list.vertices()) + size_of_val(list.identities()),
+        ),
         _ => return Vec::new(),
     };
     let (node_bytes, triangle_bytes) = (node_bytes as u64, triangle_bytes as u64);

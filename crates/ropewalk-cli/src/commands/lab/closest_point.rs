@@ -1,7 +1,7 @@
 //! `ropewalk lab closest-point`: closest points held against brute force and an oracle, and what the walks to them cost,
 //! found out by `ropewalk-lab` and written here.
 
-use super::common::{CommonArguments, Findings, Plot, unique_or};
+use super::common::{CommonArguments, Findings, Plot, TreeArguments, unique_or};
 use crate::failure::Failure;
 use clap::Args;
 use ropewalk::catalogue::TrailOptions;
@@ -30,6 +30,8 @@ With -o the folder gets closest-point.json, .csv and .md.";
 pub(super) struct Arguments {
     #[command(flatten)]
     common: CommonArguments,
+    #[command(flatten)]
+    trees: TreeArguments,
     /// Entries of the short stack; may be given several times; by default 0 and 4
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(TrailOptions::MAX_SHORT_STACK)))]
     short_stack: Vec<u32>,
@@ -77,7 +79,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 impl Arguments {
     fn settings(&self) -> Result<PointSettings, Failure> {
         Ok(PointSettings {
-            trees: self.common.trees(),
+            trees: self.trees.settings(),
             short_stacks: unique_or(&self.short_stack, PointSettings::new().short_stacks),
             points: self.points as usize,
             seed: self.seed,

@@ -28,15 +28,6 @@ pub(super) struct CommonArguments {
     /// The folder for the tables and plots; it is made if it is not there
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// What makes the trees: binned, sweep or sbvh; may be given several times; by default sweep and sbvh
-    #[arg(long, value_name = "BUILDER", value_parser = builder)]
-    builder: Vec<Builder>,
-    /// Percent of references that sbvh may add
-    #[arg(long, value_name = "PERCENT", default_value_t = BuildOptions::default().duplication)]
-    duplication: u32,
-    /// Triangles a leaf may have; may be given several times; by default 1, 4 and 8
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=255))]
-    leaf_cap: Vec<u32>,
     /// Where to walk: cpu, gpu, gpu:NUMBER or gpu:PART-OF-A-NAME; may be given several times; by default the CPU
     #[arg(long, value_name = "DEVICE")]
     device: Vec<DeviceChoice>,
@@ -49,6 +40,32 @@ pub(super) struct CommonArguments {
     /// Print one JSON document
     #[arg(long)]
     json: bool,
+}
+
+/// Which trees are walked, for experiments on trees.
+#[derive(Args, Debug)]
+pub(super) struct TreeArguments {
+    /// What makes the trees: binned, sweep or sbvh; may be given several times; by default sweep and sbvh
+    #[arg(long, value_name = "BUILDER", value_parser = builder)]
+    builder: Vec<Builder>,
+    /// Percent of references that sbvh may add
+    #[arg(long, value_name = "PERCENT", default_value_t = BuildOptions::default().duplication)]
+    duplication: u32,
+    /// Triangles a leaf may have; may be given several times; by default 1, 4 and 8
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=255))]
+    leaf_cap: Vec<u32>,
+}
+
+impl TreeArguments {
+    /// Which trees are meant.
+    pub(super) fn settings(&self) -> TreeSettings {
+        let plain = TreeSettings::default();
+        TreeSettings {
+            builders: unique_or(&self.builder, plain.builders),
+            leaf_caps: unique_or(&self.leaf_cap, plain.leaf_caps),
+            duplication: self.duplication,
+        }
+    }
 }
 
 fn builder(text: &str) -> Result<Builder, CatalogueError> {
@@ -92,16 +109,6 @@ impl CommonArguments {
     /// Finds out what can be found out before any device is opened: whether the scenes are there.
     pub(super) fn check(&self) -> Result<(), Failure> {
         self.scenes.iter().try_for_each(SceneArgument::check)
-    }
-
-    /// Which trees are meant.
-    pub(super) fn trees(&self) -> TreeSettings {
-        let plain = TreeSettings::default();
-        TreeSettings {
-            builders: unique_or(&self.builder, plain.builders),
-            leaf_caps: unique_or(&self.leaf_cap, plain.leaf_caps),
-            duplication: self.duplication,
-        }
     }
 
     /// Opens the devices.

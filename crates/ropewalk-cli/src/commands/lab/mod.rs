@@ -3,6 +3,7 @@
 mod closest_point;
 mod common;
 mod restart_trail;
+mod traversal_lists;
 
 use crate::failure::Failure;
 use clap::{Args, Subcommand};
@@ -12,8 +13,10 @@ Examples:
   ropewalk lab restart-trail bunny.ply -o bunny
   ropewalk lab restart-trail room.obj --views within --rounds 0
   ropewalk lab closest-point bunny.ply -o bunny
+  ropewalk lab traversal-lists bunny.ply dragon.ply -o lists
   ropewalk lab restart-trail --help
-  ropewalk lab closest-point --help";
+  ropewalk lab closest-point --help
+  ropewalk lab traversal-lists --help";
 
 /// The arguments of `ropewalk lab`.
 #[derive(Args, Debug)]
@@ -30,6 +33,8 @@ enum Experiment {
     RestartTrail(restart_trail::Arguments),
     /// Whether closest points are right, and what it costs to find them without a stack
     ClosestPoint(closest_point::Arguments),
+    /// What traversal lists cost with each of their options (Toczek et al. 2010)
+    TraversalLists(traversal_lists::Arguments),
 }
 
 /// Runs the command.
@@ -37,5 +42,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.experiment {
         Experiment::RestartTrail(arguments) => restart_trail::run(arguments),
         Experiment::ClosestPoint(arguments) => closest_point::run(arguments),
+        Experiment::TraversalLists(arguments) => traversal_lists::run(arguments),
     }
 }

@@ -1,6 +1,6 @@
 //! `ropewalk lab restart-trail`: visits and rates of short stacks, measured by `ropewalk-lab` and written here.
 
-use super::common::{CommonArguments, Findings, Plot, unique_or};
+use super::common::{CommonArguments, Findings, Plot, TreeArguments, unique_or};
 use crate::failure::Failure;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
@@ -32,6 +32,8 @@ With -o the folder gets restart-trail.json, .csv, .md and .svg.";
 pub(super) struct Arguments {
     #[command(flatten)]
     common: CommonArguments,
+    #[command(flatten)]
+    trees: TreeArguments,
     /// Entries of the short stack; may be given several times; by default 0, 1, 2, 3, 4, 5 and 8
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(TrailOptions::MAX_SHORT_STACK)))]
     short_stack: Vec<u32>,
@@ -107,7 +109,7 @@ impl Arguments {
             .filter(|class| self.classes.iter().any(|name| name == class.name()))
             .collect();
         Ok(TrailSettings {
-            trees: self.common.trees(),
+            trees: self.trees.settings(),
             short_stacks: unique_or(&self.short_stack, plain.short_stacks),
             classes: if classes.is_empty() { plain.classes } else { classes },
             rays: self.rays as usize,

@@ -12,12 +12,13 @@ mod subtree;
 mod sweep;
 mod sweep_sah;
 
-use super::{BuildOptions, BuildReport, Builder, Bvh, LeafOrder};
+use super::{BuildOptions, BuildReport, Builder, Bvh, LeafOrder, Node};
 use crate::clock::Clock;
 use crate::parallel::fill_chunks;
 use crate::{BuildError, FlatTriangle, Monitor, Scene};
 use bytemuck::Zeroable;
 use reference::Reference;
+use std::sync::OnceLock;
 
 /// Flattens the scene, builds the tree, and puts the triangles into leaf order.
 pub(super) fn build(scene: &Scene, options: &BuildOptions, monitor: &dyn Monitor) -> Result<Bvh, BuildError> {
@@ -26,7 +27,35 @@ pub(super) fn build(scene: &Scene, options: &BuildOptions, monitor: &dyn Monitor
     let flat = scene.flatten()?;
     let flatten_time = clock.elapsed();
     let clock = Clock::start();
-    let mut references = reference::of_triangles(&flat.triangles);
+    let (nodes, references) = build_over(&flat.triangles, options, monitor)?;
+    let triangles = in_leaf_order(&flat.triangles, &references);
+    let build_time = clock.elapsed();
+    let report = BuildReport {
+        input: flat.report,
+        flatten_time,
+        build_time,
+        ..BuildReport::measure(&nodes, &triangles, flat.triangles.len())
+    };
+    Ok(Bvh { nodes, triangles, report, skips: OnceLock::new() })
+}
+
+/// Builds the tree over triangles: its nodes, and the index of the triangle in each place of the leaves.
+pub(crate) fn tree_over(
+    triangles: &[FlatTriangle],
+    options: &BuildOptions,
+    monitor: &dyn Monitor,
+) -> Result<(Vec<Node>, Vec<u32>), BuildError> {
+    options.check()?;
+    let (nodes, references) = build_over(triangles, options, monitor)?;
+    Ok((nodes, references.iter().map(|reference| reference.index() as u32).collect()))
+}
+
+fn build_over(
+    triangles: &[FlatTriangle],
+    options: &BuildOptions,
+    monitor: &dyn Monitor,
+) -> Result<(Vec<Node>, Vec<Reference>), BuildError> {
+    let mut references = reference::of_triangles(triangles);
     let mut nodes = match options.builder {
         Builder::BinnedSah => binned_sah::build(&mut references, options, monitor)?,
         Builder::SweepSah => sweep_sah::build(&mut references, options, monitor)?,
@@ -38,15 +67,7 @@ pub(super) fn build(scene: &Scene, options: &BuildOptions, monitor: &dyn Monitor
     if options.leaf_order == LeafOrder::Left {
         nodes = leaf_left::reorder(&nodes);
     }
-    let triangles = in_leaf_order(&flat.triangles, &references);
-    let build_time = clock.elapsed();
-    let report = BuildReport {
-        input: flat.report,
-        flatten_time,
-        build_time,
-        ..BuildReport::measure(&nodes, &triangles, flat.triangles.len())
-    };
-    Ok(Bvh { nodes, triangles, report })
+    Ok((nodes, references))
 }
 
 fn in_leaf_order(triangles: &[FlatTriangle], references: &[Reference]) -> Vec<FlatTriangle> {

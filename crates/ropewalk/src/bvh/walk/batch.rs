@@ -1,10 +1,10 @@
 //! Batches of rays, spread over threads where there are any.
 
-use super::{BruteForce, Ordered, Postponed, Recursive, StackOrder, restart_trail};
+use super::{BruteForce, Ordered, Postponed, Recursive, SkipPointers, StackOrder, restart_trail};
 use crate::batch::{TraceOptions, Traced, Traversal, answer_each};
 use crate::bvh::Bvh;
 use crate::catalogue::{self, StructureKind};
-use crate::{CatalogueError, DeviceKind, Hit, Query, Ray, TraceError, Walk};
+use crate::{DeviceKind, Hit, Query, Ray, TraceError, Walk};
 
 impl Bvh {
     /// Traces a batch by any walk of the catalogue.
@@ -29,10 +29,7 @@ impl Bvh {
             Walk::Stack(StackOrder::Sorted) => self.by(Postponed::<true, true>).trace(query, rays, options),
             Walk::Stack(StackOrder::Ordered) => self.by(Ordered).trace(query, rays, options),
             Walk::RestartTrail(trail) => restart_trail::trace(self, trail, query, rays, options)?,
-            // The catalogue has refused it.
-            Walk::List => {
-                return Err(CatalogueError(format!("the walk '{walk}' goes through lists only")).into());
-            }
+            Walk::List => self.by(SkipPointers(self.skips())).trace(query, rays, options),
         })
     }
 

@@ -12,6 +12,7 @@
 //! | `recursive` | depth-first recursion | rays | blog 2022 |
 //! | `postponed` | a stack; leaves are handled at their parent; culling and sorting can be added | rays | blog 2022 |
 //! | `ordered` | a stack; leaves are ordered like inner nodes and entries are culled again at pop | both | the usual best |
+//! | `skip_pointers` | no stack and one order: a pointer leads past what is missed | both | Toczek 2010 |
 //! | `restart_trail` | one bit a level and a short stack of any size, or none | both | Laine 2010 |
 //!
 //! All start at the root's children: the root's own box is not tested. A stack entry is two words.
@@ -25,6 +26,7 @@ mod restart_trail;
 mod seeker;
 pub(crate) mod short_stack;
 mod single;
+mod skip_pointers;
 mod visitor;
 
 pub use collect::{AllHits, AnyHit, ClosestHit, Collect, HitCount, Summary};
@@ -33,6 +35,8 @@ pub use postponed::Postponed;
 pub use recursive::Recursive;
 pub use restart_trail::{ArrayTrail, RestartTrail, Trail, TrailU32, TrailU64};
 pub use seeker::Seeker;
+pub use skip_pointers::SkipPointers;
+pub(in crate::bvh) use skip_pointers::skip_pointers;
 pub use visitor::{TriangleVisitor, Visitor};
 
 use super::Node;

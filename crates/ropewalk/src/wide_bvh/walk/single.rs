@@ -82,7 +82,7 @@ pub(super) struct Walked<'a, W> {
 
 impl<W: WideWalk> Traversal for Walked<'_, W> {
     #[inline(always)]
-    fn visit<C: Collect, P: Probe>(&self, ray: &PreparedRay, collect: C, probe: P) -> (C, P) {
+    fn visit<C: Collect, P: Probe>(&self, _: &Ray, ray: &PreparedRay, collect: C, probe: P) -> (C, P) {
         self.bvh.visit(self.walk, ray, collect, probe)
     }
 

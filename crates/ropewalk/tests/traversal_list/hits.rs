@@ -1,6 +1,6 @@
-//! Traversal lists against brute force, in every way in which they can be made; their shape; and the mistakes of the paper's
-//! pseudocode, which must be found out.
+//! Lists of two sides against brute force, their shape, and the mistakes of the paper's pseudocode, which must be found out.
 
+use super::support::{every, mixed, rays};
 use ropewalk::aabb::Interval;
 use ropewalk::glam::Vec3;
 use ropewalk::traversal_list::{Bounds, ChildOrder, Directions, Element, ListOptions, Source, list_of};
@@ -8,44 +8,6 @@ use ropewalk::{Hit, Mesh, PreparedRay, Ray, Scene, TraversalList, glam};
 use ropewalk_testkit::cases::Case;
 use ropewalk_testkit::meshes;
 use ropewalk_testkit::random::Random;
-
-/// Every combination of what can be chosen.
-fn every() -> Vec<ListOptions> {
-    let mut every = Vec::new();
-    for &(_, source) in Source::NAMES {
-        for &(_, bounds) in Bounds::NAMES {
-            for &(_, directions) in Directions::NAMES {
-                for &(_, order) in ChildOrder::NAMES {
-                    let plain = ListOptions::default();
-                    every.push(ListOptions { source, bounds, directions, order, ..plain });
-                }
-            }
-        }
-    }
-    every
-}
-
-/// Big and small triangles through each other, some of them twice.
-fn mixed() -> Scene {
-    let mut mesh = meshes::soup(400, 0.2, 3);
-    meshes::append(&mut mesh, &meshes::soup(20, 2.0, 4));
-    meshes::append(&mut mesh, &meshes::soup(20, 2.0, 4));
-    meshes::append(&mut mesh, &meshes::mapped(meshes::icosphere(3), |point| point * 0.7));
-    Scene::from_mesh(mesh)
-}
-
-fn rays(count: usize) -> Vec<Ray> {
-    let mut random = Random::new(12);
-    let ray = |index: usize| {
-        let target = random.in_cube();
-        let origin = if index.is_multiple_of(3) { random.in_cube() } else { random.direction() * 4.0 };
-        // Every fourth along an axis.
-        let axis = glam::DVec3::AXES[index % 3] * if index.is_multiple_of(8) { -1.0 } else { 1.0 };
-        let dir = if index.is_multiple_of(4) { axis } else { target - origin };
-        Ray::new(origin.as_vec3(), dir.as_vec3())
-    };
-    (0..count).map(ray).collect()
-}
 
 #[test]
 fn every_list_hits_what_brute_force_hits() {

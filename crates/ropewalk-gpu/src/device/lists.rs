@@ -1,0 +1,53 @@
+//! What traversal lists have beside other structures: rays that begin with heads.
+
+use super::{Device, Traceable};
+use crate::GpuError;
+use ropewalk::traversal_list::Starts;
+use ropewalk::{CatalogueError, Query, Ray, Structure, TraceOptions, Traced, TraversalList};
+use std::time::Duration;
+
+impl Traceable {
+    /// Traces a batch by the walk of lists, each ray from its heads on.
+    ///
+    /// # Errors
+    /// When the structure is no lists, the heads are of others, there is not a row for each ray, or the device fails.
+    pub fn trace_from(
+        &self,
+        query: Query,
+        rays: &[Ray],
+        starts: Starts<'_>,
+        options: TraceOptions,
+    ) -> Result<Traced, GpuError> {
+        self.trace_from_timed(query, rays, starts, options).map(|(traced, _)| traced)
+    }
+
+    /// Traces a batch from heads on, and tells the time that a graphics device itself took, where it can measure it.
+    ///
+    /// # Errors
+    /// When the structure is no lists, the heads are of others, there is not a row for each ray, or the device fails.
+    pub fn trace_from_timed(
+        &self,
+        query: Query,
+        rays: &[Ray],
+        starts: Starts<'_>,
+        options: TraceOptions,
+    ) -> Result<(Traced, Option<Duration>), GpuError> {
+        let lists = self.lists()?;
+        if let (Device::Gpu(tracer), Some(uploaded)) = (&self.device, &self.uploaded) {
+            let answer = tracer.trace_from(uploaded, query, rays, starts, options)?;
+            return Ok((answer.traced, answer.device_time));
+        }
+        Ok((lists.trace_from(query, rays, starts, options)?, None))
+    }
+
+    /// The lists, as the CPU has them.
+    fn lists(&self) -> Result<&TraversalList, GpuError> {
+        match &*self.structure {
+            Structure::List(lists) => Ok(lists),
+            other => {
+                let text = format!("the structure '{}' has no heads to begin with", other.kind());
+                Err(GpuError::Catalogue(CatalogueError(text)))
+            }
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! What the two buffers of a structure hold: the bytes, in the pieces in which the structure has them, so that nothing large is
+//! copied before it is sent.
+
+use super::shape::Shape;
+use crate::GpuError;
+use crate::shader::{Tree, list_layout as layout};
+use ropewalk::traversal_list::{Grid, Layer};
+use ropewalk::{CatalogueError, FlatTriangle, Structure, TraversalList};
+use std::borrow::Cow;
+
+/// Both buffers of a structure: nodes and triangles, or elements and vertices.
+#[derive(Debug)]
+pub(super) struct Content<'a> {
+    pub(super) nodes: Bytes<'a>,
+    pub(super) triangles: Bytes<'a>,
+    pub(super) shape: Shape,
+}
+
+/// What one buffer holds.
+#[derive(Debug)]
+pub(super) struct Bytes<'a> {
+    /// For labels and errors.
+    pub(super) what: &'static str,
+    /// What can be done where it is too large, beside tracing on the CPU.
+    pub(super) way_out: &'static str,
+    /// No buffer may be empty, so one for nothing has so many zeroes.
+    pub(super) least: u64,
+    /// The most that its words can be counted for.
+    pub(super) most: u64,
+    /// Whole words each, one after the other.
+    pub(super) pieces: Vec<Cow<'a, [u8]>>,
+}
+
+impl Bytes<'_> {
+    /// Of the buffer.
+    pub(super) fn len(&self) -> u64 {
+        self.written().max(self.least)
+    }
+
+    /// Of the content.
+    pub(super) fn written(&self) -> u64 {
+        self.pieces.iter().map(|piece| piece.len() as u64).sum()
+    }
+
+    /// The content from a place on, as far as it lies in one piece; nothing behind the end.
+    pub(super) fn from(&self, place: u64) -> &[u8] {
+        let mut before = 0;
+        for piece in &self.pieces {
+            let end = before + piece.len() as u64;
+            if place < end {
+                return &piece[(place - before) as usize..];
+            }
+            before = end;
+        }
+        &[]
+    }
+}
+
+impl<'a> Content<'a> {
+    /// Of any structure for which there are kernels.
+    pub(super) fn of(structure: &'a Structure) -> Result<Self, GpuError> {
+        match structure {
+            Structure::Bvh(bvh) => {
+                // One child a level is postponed.
+                let stack_entries = bvh.report().depth;
+                let shape = Shape::of_tree(Tree::Binary, structure, bvh.nodes().len(), stack_entries);
+                Ok(Self::of_tree(bytemuck::cast_slice(bvh.nodes()), bvh.triangles(), shape))
+            }
+            Structure::WideBvh(bvh) => {
+                let nodes = bvh.children().len() / bvh.width().children();
+                let shape = Shape::of_tree(Tree::Wide(bvh.width()), structure, nodes, bvh.stack_entries());
+                Ok(Self::of_tree(bytemuck::cast_slice(bvh.children()), bvh.triangles(), shape))
+            }
+            Structure::List(lists) => Self::of_lists(lists),
+            _ => {
+                let text = "this structure has no walk on a graphics adapter; trace it on the device cpu";
+                Err(GpuError::Catalogue(CatalogueError(text.into())))
+            }
+        }
+    }
+
+    fn of_tree(nodes: &'a [u8], triangles: &'a [FlatTriangle], shape: Shape) -> Self {
+        let way_out = "trace on the CPU, build with larger leaves (bvh:max-leaf=8), or split the scene";
+        let bytes = |what, least, bytes| Bytes {
+            what,
+            way_out,
+            least,
+            most: u64::MAX,
+            pieces: vec![Cow::Borrowed(bytes)],
+        };
+        Self {
+            nodes: bytes("nodes of the structure", 32, nodes),
+            triangles: bytes("triangles of the structure", 48, bytemuck::cast_slice(triangles)),
+            shape,
+        }
+    }
+
+    fn of_lists(lists: &'a TraversalList) -> Result<Self, GpuError> {
+        let way_out = "trace on the CPU, build fewer lists (list:directions=1), or split the scene";
+        // Kernels count the words of these buffers.
+        let most = 4 << 32;
+        let header: [u32; layout::HEADER_WORDS] = header(lists)?;
+        let elements = Cow::Borrowed(bytemuck::cast_slice(lists.elements()));
+        let vertices = Cow::Borrowed(bytemuck::cast_slice(lists.vertices()));
+        let identities = Cow::Borrowed(bytemuck::cast_slice(lists.identities()));
+        Ok(Self {
+            nodes: Bytes {
+                what: "elements of the lists",
+                way_out,
+                least: 0,
+                most,
+                pieces: vec![Cow::Owned(bytemuck::cast_slice(&header).to_vec()), elements],
+            },
+            triangles: Bytes {
+                what: "vertices of the lists",
+                way_out,
+                least: 24,
+                most,
+                pieces: vec![vertices, identities],
+            },
+            shape: Shape::of_lists(lists),
+        })
+    }
+}
+
+/// The words before the elements: see [`layout`].
+fn header(lists: &TraversalList) -> Result<[u32; layout::HEADER_WORDS], GpuError> {
+    let (layers, of_layer) = (lists.layers(), lists.options().directions.lists());
+    if layers > layout::MOST_LAYERS {
+        let most = layout::MOST_LAYERS;
+        let text = format!(
+            "lists of {layers} layers have no walk on a graphics adapter, which has {most} at most; trace them on the device cpu"
+        );
+        return Err(GpuError::Catalogue(CatalogueError(text)));
+    }
+    let mut words = [0; layout::HEADER_WORDS];
+    // More than a word counts are refused by their bytes.
+    let identities_at = (3 * lists.vertices().len()) as u32;
+    words[..5].copy_from_slice(&[
+        layers as u32,
+        of_layer as u32,
+        identities_at,
+        lists.identities().len() as u32,
+        lists.largest_coordinate().to_bits(),
+    ]);
+    let starts = lists.starts().windows(of_layer + 1).step_by(of_layer);
+    let of_layers = words[layout::LAYERS_AT..].chunks_exact_mut(layout::LAYER_WORDS);
+    for ((layer, starts), words) in (0..layers).zip(starts).zip(of_layers) {
+        let (firsts, grid) = words.split_at_mut(layout::GRID_AT);
+        firsts.fill(layout::NO_ELEMENT);
+        for (first, bounds) in firsts.iter_mut().zip(starts.windows(2)) {
+            if bounds[0] < bounds[1] {
+                *first = bounds[0];
+            }
+        }
+        if let Some(Grid { origin, step }) = lists.layer(layer).map(Layer::grid) {
+            let places = [origin, step].into_iter().flat_map(|lanes| lanes.truncate().to_array());
+            grid.iter_mut().zip(places).for_each(|(word, place)| *word = place.to_bits());
+        }
+    }
+    Ok(words)
+}
