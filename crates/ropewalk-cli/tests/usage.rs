@@ -85,7 +85,7 @@ fn wrong_words_are_answered_in_one_line_with_the_right_ones() {
     run("trace --rays a --output b --walk restart-trail:stack=4").failure(2).mentions("short-stack");
     run("bench --walk restart-trail:memory=shared").failure(2).mentions("private, workgroup");
     run("info builtin:cubes --structure bvh:max-leaf=0").failure(2).mentions("between 1 and 255");
-    run("render --walk list").failure(2).mentions("stack");
+    run("render --structure wide-bvh --walk list").failure(2).mentions("stack");
     run("render --device cuda").failure(2).mentions("auto, cpu, gpu");
     run("render --camera look:eye=1/2/3").failure(2).mentions("target");
     run("render --view shiny").failure(2).mentions("normals");

@@ -132,8 +132,19 @@ fn build_keys(written: Written, options: &BuildOptions) -> Written {
 const BUILD_KEYS: [&str; 7] =
     ["builder", "max-leaf", "max-depth", "bins", "duplication", "reinsertion", "leaf-order"];
 
-const LIST_KEYS: [&str; 10] =
-    ["preset", "source", "bounds", "directions", "order", "big", "cull", "heads", "frustum-grid", "moving"];
+const LIST_KEYS: [&str; 11] = [
+    "preset",
+    "source",
+    "bounds",
+    "directions",
+    "order",
+    "big",
+    "cull",
+    "heads",
+    "clearance",
+    "frustum-grid",
+    "moving",
+];
 
 /// Takes a key of a builder; false when it is none.
 fn set_build_key(options: &mut BuildOptions, key: &str, value: &str) -> Result<bool, CatalogueError> {
