@@ -37,13 +37,17 @@
 //! | `paper` | what the paper prints |
 //! | `reference` | what the reference measurements say |
 //! | `record` | a row, for JSON and CSV |
-//! | `report` | tables in markdown |
+//! | `report` | everything in markdown |
+//! | `elements_table` | elements a ray and rates, a line a setting |
+//! | `bytes_table` | copies and memory |
 //! | `cells` | how many counts are near the reference's |
 //! | `plot` | elements a ray by setting |
 
 mod batches;
+mod bytes_table;
 mod cells;
 mod copier;
+mod elements_table;
 mod experiment;
 mod lane;
 mod orbit;
