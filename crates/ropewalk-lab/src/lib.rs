@@ -8,6 +8,7 @@
 //! | [`closest_point`] | whether closest points are right, and what the walks to them cost |
 //! | [`restart_trail`] | what stacklessness costs: the comparison of Laine 2010 |
 //! | [`traversal_lists`] | what lists cost with each of their options: the tables of Toczek et al. 2010 |
+//! | `charts` | what their plots share |
 //! | [`machine`] | what a record must say about where it was made |
 //! | [`spread`] | the median of many rounds |
 //!
@@ -16,6 +17,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bench;
+mod charts;
 pub mod closest_point;
 pub mod comparison;
 pub mod machine;
@@ -23,5 +25,6 @@ pub mod restart_trail;
 pub mod spread;
 pub mod traversal_lists;
 
+pub use charts::PlotError;
 pub use machine::Machine;
 pub use spread::Spread;

@@ -4,7 +4,7 @@
 use glam::Vec2;
 use rayon::prelude::*;
 use ropewalk::traversal_list::{Frustum, HeadTable, Starts};
-use ropewalk::{Ray, TraversalList};
+use ropewalk::{Ray, Structure, Walk};
 use std::borrow::Cow;
 
 /// Where the rays of a batch begin.
@@ -35,8 +35,14 @@ impl BatchHeads<'_> {
     }
 }
 
-/// The heads with which rays may begin; `None` where the lists were built without.
-pub(crate) fn heads<'a>(list: &'a TraversalList, rays: &[Ray], begin: &Begin<'_>) -> Option<BatchHeads<'a>> {
+/// The heads with which rays may begin; `None` where the structure has none for them, or the walk makes no use of any.
+pub(crate) fn heads<'a>(
+    structure: &'a Structure,
+    walk: Walk,
+    rays: &[Ray],
+    begin: &Begin<'_>,
+) -> Option<BatchHeads<'a>> {
+    let (Structure::List(list), Walk::List) = (structure, walk) else { return None };
     match *begin {
         Begin::AtEye { screen, places } => {
             let cells = list.options().frustum_grid;

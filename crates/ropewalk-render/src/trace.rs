@@ -55,12 +55,10 @@ impl Trace for Structure {
         begin: &Begin<'_>,
         options: TraceOptions,
     ) -> Result<Traced, Box<dyn Error + Send + Sync>> {
-        if let (Self::List(list), Walk::List) = (self, walk)
-            && let Some(heads) = begin::heads(list, rays, begin)
-        {
-            return Ok(list.trace_from(query, rays, heads.starts(), options)?);
+        match begin::heads(self, walk, rays, begin) {
+            Some(heads) => Ok(self.trace_from(query, rays, heads.starts(), options)?),
+            None => self.trace_batch(walk, query, rays, options),
         }
-        self.trace_batch(walk, query, rays, options)
     }
 }
 
@@ -83,11 +81,9 @@ impl Trace for Traceable {
         begin: &Begin<'_>,
         options: TraceOptions,
     ) -> Result<Traced, Box<dyn Error + Send + Sync>> {
-        if let (Structure::List(list), Walk::List) = (self.structure(), walk)
-            && let Some(heads) = begin::heads(list, rays, begin)
-        {
-            return Ok(self.trace_from(query, rays, heads.starts(), options)?);
+        match begin::heads(self.structure(), walk, rays, begin) {
+            Some(heads) => Ok(self.trace_from(query, rays, heads.starts(), options)?),
+            None => self.trace_batch(walk, query, rays, options),
         }
-        self.trace_batch(walk, query, rays, options)
     }
 }

@@ -3,7 +3,7 @@
 use super::{Device, Traceable};
 use crate::GpuError;
 use ropewalk::traversal_list::Starts;
-use ropewalk::{CatalogueError, Query, Ray, Structure, TraceOptions, Traced, TraversalList};
+use ropewalk::{Query, Ray, TraceOptions, Traced};
 use std::time::Duration;
 
 impl Traceable {
@@ -32,22 +32,10 @@ impl Traceable {
         starts: Starts<'_>,
         options: TraceOptions,
     ) -> Result<(Traced, Option<Duration>), GpuError> {
-        let lists = self.lists()?;
         if let (Device::Gpu(tracer), Some(uploaded)) = (&self.device, &self.uploaded) {
             let answer = tracer.trace_from(uploaded, query, rays, starts, options)?;
             return Ok((answer.traced, answer.device_time));
         }
-        Ok((lists.trace_from(query, rays, starts, options)?, None))
-    }
-
-    /// The lists, as the CPU has them.
-    fn lists(&self) -> Result<&TraversalList, GpuError> {
-        match &*self.structure {
-            Structure::List(lists) => Ok(lists),
-            other => {
-                let text = format!("the structure '{}' has no heads to begin with", other.kind());
-                Err(GpuError::Catalogue(CatalogueError(text)))
-            }
-        }
+        Ok((self.structure.trace_from(query, rays, starts, options)?, None))
     }
 }

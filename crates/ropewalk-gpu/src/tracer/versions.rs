@@ -154,6 +154,16 @@ mod tests {
     use ropewalk::glam::Vec3;
     use ropewalk::{Answer, ListOptions, Mesh, Query, Ray, Scene, TraceOptions, Walk};
 
+    /// A tracer on the first adapter. None is an error where CI is set.
+    fn tracer() -> Option<Tracer> {
+        if adapters().is_empty() {
+            assert!(std::env::var_os("CI").is_none(), "CI is set and there is no adapter");
+            println!("skipped: no adapter");
+            return None;
+        }
+        Some(Tracer::new(Gpu::open(0).unwrap()))
+    }
+
     /// A triangle at a height.
     fn at(height: f32) -> Arc<Structure> {
         let corners = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|corner| corner + Vec3::Z * height);
@@ -178,12 +188,7 @@ mod tests {
     /// does, shows two.
     #[test]
     fn a_version_that_is_held_is_not_written() {
-        if adapters().is_empty() {
-            assert!(std::env::var_os("CI").is_none(), "CI is set and there is no adapter");
-            println!("skipped: no adapter");
-            return;
-        }
-        let tracer = Tracer::new(Gpu::open(0).unwrap());
+        let Some(tracer) = tracer() else { return };
         let versions = StructureVersions::new(&tracer, &at(1.0)).unwrap();
         let held = versions.current();
         let uploads = || {
@@ -206,12 +211,7 @@ mod tests {
     /// Who gives versions back lets their buffers be used again; who keeps one gets others made.
     #[test]
     fn buffers_are_used_again_when_nobody_holds_them() {
-        if adapters().is_empty() {
-            assert!(std::env::var_os("CI").is_none(), "CI is set and there is no adapter");
-            println!("skipped: no adapter");
-            return;
-        }
-        let tracer = Tracer::new(Gpu::open(0).unwrap());
+        let Some(tracer) = tracer() else { return };
         let versions = StructureVersions::new(&tracer, &at(1.0)).unwrap();
         let news: Vec<bool> =
             (2..6).map(|height| versions.upload(&at(height as f32)).unwrap().is_new).collect();

@@ -28,7 +28,7 @@ mod report;
 
 pub use bands::{Band, PUBLISHED, REFERENCE, Reference, WANTED, is_within};
 pub use experiment::{TrailSettings, run};
-pub use plot::{PlotError, plot};
+pub use plot::plot;
 pub use rays::{Seen, with_ground};
 pub use record::{TrailRow, write_csv};
 pub use report::markdown;

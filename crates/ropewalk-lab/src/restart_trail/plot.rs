@@ -2,19 +2,8 @@
 
 use super::bands::{Band, PUBLISHED, WANTED};
 use super::record::TrailRow;
+use crate::charts::{Area, PlotError, failed, name_series, sheet};
 use plotters::prelude::*;
-use thiserror::Error;
-
-/// Why there is no plot.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("the plot cannot be drawn: {0}")]
-pub struct PlotError(String);
-
-impl PlotError {
-    pub(crate) fn new(error: impl std::fmt::Display) -> Self {
-        Self(error.to_string())
-    }
-}
 
 /// Pixels of a chart.
 const CHART: (u32, u32) = (640, 420);
@@ -28,30 +17,8 @@ const LOWEST: f64 = 0.95;
 /// # Errors
 /// When there is nothing to draw.
 pub fn plot(rows: &[TrailRow]) -> Result<String, PlotError> {
-    let scenes: Vec<&[TrailRow]> = rows.chunk_by(|a, b| a.scene == b.scene).collect();
-    if scenes.is_empty() {
-        return Err(failed("there are no rows"));
-    }
-    let columns = scenes.len().min(2);
-    let lines = scenes.len().div_ceil(columns);
-    let size = (CHART.0 * columns as u32, CHART.1 * lines as u32);
-    let mut svg = String::new();
-    {
-        let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        root.fill(&WHITE).map_err(failed)?;
-        for (area, rows) in root.split_evenly((lines, columns)).iter().zip(&scenes) {
-            chart(area, rows)?;
-        }
-        root.present().map_err(failed)?;
-    }
-    Ok(svg)
+    sheet(rows, |row| &row.scene, CHART, chart)
 }
-
-fn failed(error: impl std::fmt::Display) -> PlotError {
-    PlotError::new(error)
-}
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
 fn chart(area: &Area<'_>, rows: &[TrailRow]) -> Result<(), PlotError> {
     let Some(first) = rows.first() else { return Ok(()) };
@@ -95,13 +62,7 @@ fn chart(area: &Area<'_>, rows: &[TrailRow]) -> Result<(), PlotError> {
             .label(format!("{} {}, {}", head.builder, head.max_leaf, head.rays))
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], style));
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .label_font(("sans-serif", 10))
-        .background_style(WHITE.mix(0.85))
-        .draw()
-        .map_err(failed)
+    name_series(&mut chart)
 }
 
 /// A band as a bar around its size.

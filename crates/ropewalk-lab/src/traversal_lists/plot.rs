@@ -3,7 +3,7 @@
 use super::Table;
 use super::record::ListRow;
 use super::settings::VERTICES;
-use crate::restart_trail::PlotError;
+use crate::charts::{Area, PlotError, failed, name_series, sheet};
 use plotters::prelude::*;
 
 /// Pixels of a chart.
@@ -16,35 +16,14 @@ const CLASSES: [(&str, RGBColor); 3] = [
 ];
 
 /// A chart for each scene: bars of elements a ray, for each setting of the columns and of the best a group; a stroke across
-/// a bar is the reference. Spheres that hold vertices alone are left to the tables. Only rows of the first device of a scene are drawn: counts are the same on all.
+/// a bar is the reference. Spheres that hold vertices alone are left to the tables. Only rows of the first device of a scene
+/// are drawn: counts are the same on all.
 ///
 /// # Errors
 /// When there is nothing to draw.
 pub fn plot(rows: &[ListRow]) -> Result<String, PlotError> {
-    let scenes: Vec<&[ListRow]> = rows.chunk_by(|a, b| a.scene == b.scene).collect();
-    if scenes.is_empty() {
-        return Err(failed("there are no rows"));
-    }
-    let columns = scenes.len().min(2);
-    let lines = scenes.len().div_ceil(columns);
-    let size = (CHART.0 * columns as u32, CHART.1 * lines as u32);
-    let mut svg = String::new();
-    {
-        let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        root.fill(&WHITE).map_err(failed)?;
-        for (area, rows) in root.split_evenly((lines, columns)).iter().zip(&scenes) {
-            chart(area, rows)?;
-        }
-        root.present().map_err(failed)?;
-    }
-    Ok(svg)
+    sheet(rows, |row| &row.scene, CHART, chart)
 }
-
-fn failed(error: impl std::fmt::Display) -> PlotError {
-    PlotError::new(error)
-}
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
 fn chart(area: &Area<'_>, rows: &[ListRow]) -> Result<(), PlotError> {
     let Some(first) = rows.first() else { return Ok(()) };
@@ -114,13 +93,7 @@ fn chart(area: &Area<'_>, rows: &[ListRow]) -> Result<(), PlotError> {
         });
         chart.draw_series(strokes).map_err(failed)?;
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .label_font(("sans-serif", 10))
-        .background_style(WHITE.mix(0.85))
-        .draw()
-        .map_err(failed)
+    name_series(&mut chart)
 }
 
 /// The part of a name before its first comma: what there is room for.

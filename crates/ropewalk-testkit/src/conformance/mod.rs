@@ -115,8 +115,8 @@ impl Device for Cpu {
         starts: Starts<'_>,
         options: TraceOptions,
     ) -> Result<Option<Traced>, String> {
-        let Some(Structure::List(list)) = &self.structure else { return Err("no list is prepared".into()) };
-        list.trace_from(query, rays, starts, options).map(Some).map_err(|error| error.to_string())
+        let structure = self.structure.as_ref().ok_or("no structure is prepared")?;
+        structure.trace_from(query, rays, starts, options).map(Some).map_err(|error| error.to_string())
     }
 }
 

@@ -5,7 +5,7 @@ use super::{StructureKind, Walk};
 use crate::bvh::{BuildOptions, Builder, Bvh, LeafOrder};
 use crate::error::{BuildError, CatalogueError, TraceError};
 use crate::traversal_list::{
-    Bounds, ChildOrder, Clearance, Cull, Directions, Heads, ListOptions, Source, TraversalList,
+    Bounds, ChildOrder, Clearance, Cull, Directions, Heads, ListOptions, Source, Starts, TraversalList,
 };
 use crate::wide_bvh::{Collapse, WideBvh, WideOptions, Width};
 use crate::{BuildReport, FlatTriangle, Monitor, Query, Ray, Scene, TraceOptions, Traced};
@@ -59,6 +59,14 @@ impl StructureSpec {
                 order: ChildOrder::LatestLast,
                 cull: Cull::Exact,
                 heads: Heads::Simple,
+                ..list
+            }),
+            Self::List(ListOptions {
+                source: Source::Sbvh,
+                bounds: Bounds::Aabb,
+                directions: Directions::One,
+                heads: Heads::Regular,
+                clearance: Clearance::Above,
                 ..list
             }),
             Self::List(ListOptions::BEST),
@@ -285,6 +293,26 @@ impl Structure {
             Self::Bvh(bvh) => bvh.trace(walk, query, rays, options),
             Self::WideBvh(bvh) => bvh.trace(walk, query, rays, options),
             Self::List(list) => list.trace(walk, query, rays, options),
+        }
+    }
+
+    /// Traces a batch on the CPU by the walk of lists, each ray from its heads on: see [`TraversalList::trace_from`].
+    ///
+    /// # Errors
+    /// When the structure is no lists, the heads are of others, or there is not a row for each ray.
+    pub fn trace_from(
+        &self,
+        query: Query,
+        rays: &[Ray],
+        starts: Starts<'_>,
+        options: TraceOptions,
+    ) -> Result<Traced, TraceError> {
+        match self {
+            Self::List(list) => list.trace_from(query, rays, starts, options),
+            Self::Bvh(_) | Self::WideBvh(_) => {
+                Err(CatalogueError(format!("the structure '{}' has no heads to begin with", self.kind()))
+                    .into())
+            }
         }
     }
 

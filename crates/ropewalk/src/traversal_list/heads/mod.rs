@@ -10,8 +10,8 @@
 //! the last escape, above which nothing is known: it may lie below an ancestor that the ray would have missed.
 //!
 //! **Above** ([`super::Clearance`]). A ray that begins on a triangle, to within rounding, may hit whatever touches its plane, the
-//! triangle itself too. One that begins clearly above cannot, and with heads for such rays these are passed by: a fifth of
-//! all elements of a shadow ray. Both rays and heads are asked for it.
+//! triangle itself too. One that begins clearly above cannot, and with heads for such rays these are passed by. Both, rays
+//! and heads, are asked for it.
 //!
 //! Rays that go through the plane, refracted ones, begin with the first element.
 //!

@@ -4,8 +4,8 @@ use crate::{Aabb, Sphere};
 use glam::Vec3;
 
 /// How far a half-space is moved outwards: this share of the largest coordinate, times the sum of the magnitudes of the
-/// normal's components. A hundred times what the sums here round, and what a ray's origin is off that was computed as
-/// a point on a triangle.
+/// normal's components. Fifty times what the sums here round, three steps of 2^-24; a ray's origin that was computed as a point
+/// on a triangle is off by no more than these.
 pub const PAD: f32 = 1e-5;
 
 /// How far a triangle's own half-space is moved inwards for rays that begin above it, as a share like [`PAD`]: five times
