@@ -2,7 +2,7 @@
 //!
 //! The catalogue has hundreds of rows, most of which differ in one number. Here all walks of one name that answer the
 //! same queries on the same devices stand in one line, such as `restart-trail[:short-stack=0..16,register=auto|u64]`.
-//! Every setting that can be written is asked for, not only those that the conformance suite tries, so a line says
+//! A range with a step is written `24..256/4`. Every setting that can be written is asked for, not only those that the conformance suite tries, so a line says
 //! neither more nor less than what is offered.
 
 mod keys;
@@ -11,6 +11,7 @@ pub(crate) use keys::{KeyRecord, KindRecord, kinds};
 
 use ropewalk::bvh::StackOrder;
 use ropewalk::catalogue::{StackMemory, StructureKind, TrailOptions, TrailRegister, is_offered};
+use ropewalk::two_level::SmartStack;
 use ropewalk::{DeviceKind, Query, Walk};
 use serde::Serialize;
 
@@ -80,7 +81,11 @@ pub(crate) fn grouped(
 
 /// Every walk that can be written.
 fn every_walk() -> Vec<Walk> {
-    let mut walks = vec![Walk::BruteForce, Walk::Recursive, Walk::List];
+    let mut walks =
+        vec![Walk::BruteForce, Walk::Recursive, Walk::List, Walk::KdRestart, Walk::KdBacktrack, Walk::Ropes];
+    walks.extend((1..=Walk::MAX_SHORT_STACK).map(|entries| Walk::ShortStack { entries }));
+    let bytes = (SmartStack::LEAST_BYTES..=SmartStack::MOST_BYTES).step_by(4);
+    walks.extend(bytes.map(|bytes| Walk::SmartStack { bytes }));
     walks.extend(StackOrder::NAMES.iter().map(|(_, order)| Walk::Stack(*order)));
     for &(_, memory) in StackMemory::NAMES {
         for &(_, register) in TrailRegister::NAMES {
@@ -118,7 +123,22 @@ fn written(walks: &[Walk]) -> String {
     let Some(first) = walks.first() else { return String::new() };
     let one_by_one = || walks.iter().map(Walk::to_string).collect::<Vec<_>>().join(" ");
     let keys = match first {
-        Walk::BruteForce | Walk::Recursive | Walk::List => Vec::new(),
+        Walk::BruteForce
+        | Walk::Recursive
+        | Walk::List
+        | Walk::KdRestart
+        | Walk::KdBacktrack
+        | Walk::Ropes => Vec::new(),
+        Walk::ShortStack { .. } => vec![Key {
+            name: "entries",
+            values: format!("1..{}", Walk::MAX_SHORT_STACK),
+            may_be_left_out: true,
+        }],
+        Walk::SmartStack { .. } => vec![Key {
+            name: "bytes",
+            values: format!("{}..{}/4", SmartStack::LEAST_BYTES, SmartStack::MOST_BYTES),
+            may_be_left_out: true,
+        }],
         Walk::Stack(_) => {
             let orders = walks.iter().filter_map(|walk| match walk {
                 Walk::Stack(order) => Some(*order),
@@ -232,7 +252,9 @@ mod tests {
                 let (key, values) = key.split_once('=').unwrap();
                 let values: Vec<String> = match values.split_once("..") {
                     Some((from, to)) => {
-                        (from.parse().unwrap()..=to.parse::<u32>().unwrap()).map(|n| n.to_string()).collect()
+                        let (to, step) = to.split_once('/').unwrap_or((to, "1"));
+                        let numbers = from.parse().unwrap()..=to.parse::<u32>().unwrap();
+                        numbers.step_by(step.parse().unwrap()).map(|n| n.to_string()).collect()
                     }
                     None => values.split('|').map(str::to_owned).collect(),
                 };

@@ -16,7 +16,7 @@ pub(crate) const DEFAULT_SCENE: &str = "builtin:assembly";
 /// What the SCENE arguments of all commands say in their help.
 pub(crate) fn scene_help() -> String {
     let names = NAMES.map(|(name, _)| format!("builtin:{name}")).join(", ");
-    format!("OBJ, PLY, STL, glTF or GLB file, gzipped or not; or {names}")
+    format!("OBJ, PLY, STL, glTF, GLB, AFF or NFF file, gzipped or not; or {names}")
 }
 
 /// Which scene is meant.

@@ -167,6 +167,112 @@ fn frames_of_traversal_lists_are_timed_and_copies_too() {
 }
 
 #[test]
+fn two_levels_are_compared_with_one() {
+    let folder = Folder::new();
+    let target = folder.text("tables");
+    let line = format!(
+        "lab two-level builtin:assembly --json -o {target} --size 24 --rounds 0 --bottom kd-tree --bottom list"
+    );
+    let document = run(&line).success().json();
+    assert!(document["command"].as_str().unwrap().starts_with("ropewalk lab two-level"));
+    assert!(document["machine"]["ropewalk"].is_string());
+    let rows = document["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), (3 + 2 * 2 + 3) * 3, "three single structures, two kinds, a ring, two openings");
+    for row in rows {
+        for field in ["scene", "structure", "rays", "device"] {
+            assert!(row[field].is_string(), "{field}: {row}");
+        }
+        for field in ["objects", "triangles", "ray_count", "cost", "cost_relative_to_single_kd"] {
+            assert!(row[field].is_number(), "{field}: {row}");
+        }
+        for field in ["rays_per_s", "relative_to_single_kd", "relative_to_single_bvh"] {
+            assert!(row[field].is_null(), "nothing was timed: {row}");
+        }
+        let of_two_levels = row["structure"].as_str().unwrap().starts_with("two-level");
+        for field in ["bottom", "oriented_boxes", "objects_entered"] {
+            assert_eq!(!row[field].is_null(), of_two_levels, "{field}: {row}");
+        }
+        let has_ring = of_two_levels && row["bottom"] == "kd-tree";
+        assert_eq!(row["smart_stack_max_bytes"].is_u64(), has_ring, "{row}");
+        let has =
+            |level: &str| ["avg", "max", "var"].map(|of| row[format!("{level}_depth_{of}")].is_number());
+        assert_eq!(has("bvh"), [!row["structure"].as_str().unwrap().starts_with("kd-tree"); 3], "{row}");
+        assert_eq!(has("kd"), [row["structure"] != "bvh"; 3], "{row}");
+    }
+    let heat = document["heat"].as_array().unwrap();
+    assert_eq!(heat.len(), 4, "primary and shadow rays, with oriented boxes and without");
+    for map in heat {
+        let pixels: u64 =
+            ["none", "blue", "green", "red", "white"].iter().map(|band| map[band].as_u64().unwrap()).sum();
+        assert_eq!(pixels, 24 * 24, "{map}");
+    }
+    assert_eq!(document["rebuilds"], serde_json::json!([]), "nothing was timed");
+    let file = |name: &str| std::fs::read(format!("{target}/{name}")).unwrap();
+    for name in ["two-level.json", "two-level.csv", "two-level.md", "two-level.svg", "two-level-objects.svg"]
+    {
+        assert!(String::from_utf8(file(name)).unwrap().contains("builtin:assembly"), "{name}");
+    }
+    assert_eq!(String::from_utf8(file("two-level.csv")).unwrap().lines().count(), rows.len() + 1);
+    for rays in ["primary", "shadow"] {
+        for boxes in ["oriented", "not-oriented"] {
+            let picture = file(&format!("two-level-heat-1-assembly-{rays}-{boxes}.png"));
+            assert!(picture.starts_with(b"\x89PNG"), "{rays}, {boxes}");
+        }
+    }
+    assert_eq!(std::fs::read_dir(target).unwrap().count(), 5 + 4);
+}
+
+/// Of parts that lie askew in their own space far fewer are entered in oriented boxes.
+#[test]
+fn oriented_boxes_help_turned_parts() {
+    let few = "--size 24 --rounds 0 --bottom kd-tree --turned --json";
+    let document = run(&format!("lab two-level builtin:assembly {few}")).success().json();
+    assert_eq!(document["scenes"][0]["scene"], "builtin:assembly, turned");
+    let entered = |structure: &str, rays: &str| {
+        let of = |row: &&serde_json::Value| {
+            row["structure"] == structure && row["rays"] == rays && row["walk"] == "stack:order=ordered"
+        };
+        document["rows"].as_array().unwrap().iter().find(of).unwrap()["objects_entered"].as_f64().unwrap()
+    };
+    for rays in ["primary", "shadow", "diffuse"] {
+        let (with, without) = (entered("two-level", rays), entered("two-level:oriented=no", rays));
+        assert!(with < 0.7 * without, "{rays}: {with} with oriented boxes, {without} without");
+    }
+}
+
+#[test]
+fn two_levels_are_timed_and_the_top_level_rebuilt() {
+    let folder = Folder::new();
+    let target = folder.text("tables");
+    let few = "--size 16 --rounds 1 --bottom bvh --rebuild 100 --rebuild 1000 --camera frame:azimuth=10";
+    let line = format!("lab two-level builtin:cubes builtin:forest {few}");
+    let text = run(&line).success().out;
+    for part in [
+        "## builtin:cubes",
+        "### Table 1",
+        "### Speed on cpu",
+        "### Heat maps",
+        "## Rebuilding the top level",
+        "| 1000 |",
+        "| 9.8 |",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let document = run(&format!("{line} --json -o {target}")).success().json();
+    assert!(document["rows"].as_array().unwrap().iter().all(|row| row["rays_per_s"].as_f64().unwrap() > 0.0));
+    let rebuilds = document["rebuilds"].as_array().unwrap();
+    assert_eq!(rebuilds.len(), 2, "once, not for each scene");
+    for (row, objects) in rebuilds.iter().zip([100, 1000]) {
+        assert_eq!(row["objects"], objects);
+        assert!(row["rebuild_ms"].as_f64().unwrap() > 0.0 && row["refit_ms"].as_f64().unwrap() > 0.0);
+        assert_eq!(row["upload_bytes"], 32 * (2 * objects - 1) + 96 * objects);
+    }
+    let file = |name: &str| std::fs::read_to_string(format!("{target}/{name}")).unwrap();
+    assert_eq!(file("two-level-rebuild.csv").lines().count(), 3);
+    assert!(file("two-level-rebuild.svg").contains("milliseconds"));
+}
+
+#[test]
 fn tables_are_printed_and_rates_measured() {
     let line = "lab restart-trail builtin:cubes --short-stack 0 --class primary --rays 100 --rounds 1";
     let text = run(line).success().out;
@@ -200,6 +306,14 @@ fn wrong_words_are_answered_with_the_right_ones() {
         ("traversal-lists --view 0", "1..=512"),
         ("traversal-lists --brute-force 0", "1..=100000"),
         ("traversal-lists --builder sweep", "--builder"),
+        ("two-levels", "two-level"),
+        ("two-level --size 0", "1..=2048"),
+        ("two-level --bottom octree", "kd-tree"),
+        ("two-level --bottom two-level", "kd-tree"),
+        ("two-level --bottom list:cull=exact,directions=6", "one side"),
+        ("two-level --rebuild 0", "1..=1000000"),
+        ("two-level --camera look:eye=1/2/3", "target=X/Y/Z"),
+        ("two-level --camera nowhere builtin:cubes --rounds 0", "nowhere"),
     ] {
         run(&format!("lab {words}")).failure(2).mentions(right);
     }
@@ -209,7 +323,7 @@ fn wrong_words_are_answered_with_the_right_ones() {
 fn a_folder_that_cannot_be_made_is_known_before_the_work() {
     let folder = Folder::new();
     let file = folder.write("file", "in the way");
-    for experiment in ["restart-trail", "closest-point", "traversal-lists"] {
+    for experiment in ["restart-trail", "closest-point", "traversal-lists", "two-level"] {
         run(&format!("lab {experiment} builtin:cubes -o {file}/below")).failure(1).mentions("cannot be made");
         run(&format!("lab {experiment} {file}.ply")).failure(1).mentions("file.ply");
     }

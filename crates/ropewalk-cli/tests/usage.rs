@@ -71,7 +71,15 @@ fn wrong_words_are_answered_in_one_line_with_the_right_ones() {
     run("render --frobnicate").failure(2).mentions("--frobnicate");
     run("trace --rays a.npy").failure(2).mentions("--output");
     run("info builtin:pyramids").failure(2).mentions("assembly");
-    run("info --structure kd-tree").failure(2).mentions("bvh");
+    run("info --structure octree").failure(2).mentions("kd-tree");
+    run("info --structure kd-tree:depth=3").failure(2).mentions("max-depth");
+    run("info builtin:cubes --structure kd-tree:max-depth=99").failure(2).mentions("between 1 and 60");
+    run("info --structure two-level:bottom=grid").failure(2).mentions("kd-tree, bvh, wide-bvh, list, mixed");
+    run("info builtin:cubes --structure two-level:opening=by-cost,parts=99")
+        .failure(2)
+        .mentions("between 2 and 64");
+    run("trace --rays a --output b --walk smart-stack:bytes=20").failure(2).mentions("24 to 256");
+    run("render --structure two-level --walk ropes").failure(2).mentions("smart-stack");
     run("info --structure bvh:leaf=1").failure(2).mentions("max-leaf");
     run("info --structure bvh:width=4").failure(2).mentions("reinsertion");
     run("info --structure bvh:builder=best").failure(2).mentions("binned, sweep, sbvh");

@@ -23,7 +23,8 @@
 //! | `device` | one way to trace, and to ask about points, on either device |
 //!
 //! **Agreement with the CPU.** Every kernel is the twin of a walk in [`ropewalk::bvh::walk`],
-//! [`ropewalk::wide_bvh::walk`] or [`ropewalk::traversal_list`]: same operations, same order. Where a device rounds as IEEE 754 says (lavapipe does), hits and counters are the same to the bit.
+//! [`ropewalk::wide_bvh::walk`], [`ropewalk::kd_tree::walk`], [`ropewalk::traversal_list`] or [`ropewalk::two_level`]: same
+//! operations, same order. Where a device rounds as IEEE 754 says (lavapipe does), hits and counters are the same to the bit.
 //! Where it fuses multiplications with additions or divides by an approximate reciprocal, indices agree and `t`
 //! lies within 1e-5 relative, ties aside.
 //!

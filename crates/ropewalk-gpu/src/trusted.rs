@@ -29,8 +29,13 @@ pub(crate) fn shader_module(
     //   index leads to an element of the same list. A head is compared with the length of its list on the host; which list
     //   that is depends on signs and on which magnitude is the largest, which no device rounds. The half-spaces of a head's
     //   row and list are as many as there are places for.
+    // - A kd-tree's references, places and ropes are as validated as its nodes: each names a triangle or a node that is there,
+    //   and the host refuses the walks that read places where these were left out.
+    // - Of two levels the host writes the places of each object's nodes and triangles, of instances and of what leaves lead to;
+    //   an instance names an object that has a structure. A smart stack compares its words with the room for swapped ones
+    //   before it swaps, and its ring's places wrap at its size.
     // - Each loop of a walk counts down the batch's step budget; a leaf's loop ends at its count, a pop loop
-    //   at the empty stack, a trail's loops at level 0.
+    //   at the empty stack, a trail's loops at level 0; the loops of the trail that a ray is given over to count down what is left.
     // - Workgroup memory: each invocation reads what it wrote itself, and nothing else.
     // - The number of heads a row, by which one kernel divides, is never zero: it is that of lists. Nothing else divides
     //   integers by anything but constants; no shader uses ray queries or mesh stages.

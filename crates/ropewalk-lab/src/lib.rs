@@ -8,6 +8,7 @@
 //! | [`closest_point`] | whether closest points are right, and what the walks to them cost |
 //! | [`restart_trail`] | what stacklessness costs: the comparison of Laine 2010 |
 //! | [`traversal_lists`] | what lists cost with each of their options: the tables of Toczek et al. 2010 |
+//! | [`two_level`] | what two levels cost beside one: the tables of Reichl et al. 2010 |
 //! | `charts` | what their plots share |
 //! | [`machine`] | what a record must say about where it was made |
 //! | [`spread`] | the median of many rounds |
@@ -24,6 +25,7 @@ pub mod machine;
 pub mod restart_trail;
 pub mod spread;
 pub mod traversal_lists;
+pub mod two_level;
 
 pub use charts::PlotError;
 pub use machine::Machine;

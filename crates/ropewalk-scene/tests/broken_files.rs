@@ -20,6 +20,13 @@ const PLY: &str = "ply\nformat ascii 1.0\ncomment c\nelement vertex 4\nproperty 
 const STL: &str = "solid a b\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a b\n\
                    solid c\nfacet normal 0 0 1\nouter loop\nvertex 0 0 5\nvertex 1 0 5\nvertex 1 1 5\nvertex 0 1 5\nendloop\nendfacet\nendsolid\n";
 
+const AFF: &str = "# c\nv from 0 1 8 at 0 1 0 up 0 1 0 angle 40 hither .1 resolution 4 3\nb 0 0 1 am 1 1 1 l 5 5 5 1 1 1 la n 0 3 0\n\
+                   fm .1 .1 .1 .8 .2 .2 0 0 0 10 0 0\nxs 2 2 2 0 1 0 90 1 0 0 {\nx n { m vertices 3 0 0 0 1 0 0 0 1 0 normals 1 0 0 1\n\
+                   texturecoords 1 t.ppm 0 1 triangles 1 0 1 2 0 0 0 0 0 0 }\n}\nk n { transl 4 0 0 0 0 0 0 0 1 0 0 0 0 0 0 2 0 0 4 0 0 0\n\
+                   3 0 0 4 0 0 0 rot 4 0 0 0 1 0 0 0 0 1 0 0 1 0 0 0 0 2 0 0 1 90 0 0 0 3 0 0 1 90 0 0 0 visibility 1 0 1 }\n\
+                   a 1 2 5 d 1 i 2 t.aff\nf 1 0 0 1 0 9 s 0 0 0 1\nc 0 0 0 .4 0 2 0 .1 p 4 0 0 0 2 0 0 .5 .5 0 0 2 0\n\
+                   tpa 2 0 0 0 0 0 0 1 1 0 0 0 0 1 0 1 0 0 0 1 1 0 0 2 0 0 1 1 0 2 0 0 1 0 1 2 0 0 1\ntt t.ppm 0 0 0 0 1 1 0 0 1 1 0 1 0 0 0\n";
+
 fn binary_ply(big: bool) -> Vec<u8> {
     let order = if big { "big" } else { "little" };
     let header = format!(
@@ -72,6 +79,9 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
         ("a.stl", STL.into()),
         ("a.stl", binary_stl()),
         ("a.stl.gz", packed(&binary_stl())),
+        ("a.aff", AFF.into()),
+        ("a.nff", utf16(AFF)),
+        ("a.aff.gz", packed(AFF.as_bytes())),
     ]
 }
 
@@ -173,6 +183,24 @@ fn odd_files_are_cut_and_damaged() {
                 damage(&mut damaged, &mut random);
                 assert_sound(&path, damaged, || format!("round {round}"));
             }
+        }
+    }
+}
+
+#[test]
+fn scenes_with_includes_are_cut_and_damaged() {
+    let mut random = Pcg64Mcg::seed_from_u64(22);
+    for file in ["bart_museum/museum5.aff", "bart_kitchen/car.aff", "bart_robot/Robot1.aff"] {
+        let Some(path) = scene(file) else { return };
+        let bytes = std::fs::read(&path).unwrap();
+        for _ in 0..20 {
+            let length = random.random_range(0..=bytes.len());
+            assert_sound(&path, bytes[..length].to_vec(), || format!("cut at {length}"));
+        }
+        for round in 0..60 {
+            let mut damaged = bytes.clone();
+            damage(&mut damaged, &mut random);
+            assert_sound(&path, damaged, || format!("round {round}"));
         }
     }
 }

@@ -82,12 +82,14 @@ const FILES: &[(&str, Expected)] = &[
     ("stl/soup.stl", Loaded(100, 1, 0)),
     ("stl/triangle_with_empty_solid.stl", Loaded(1, 1, 0)),
     ("stl/two_objects_mixed_case_names.stl", Loaded(24, 2, 0)),
-    ("nff/WithCamera.nff", Refused("NFF scenes are not read")),
-    ("nff/cone.nff", Refused("NFF scenes are not read")),
-    ("nff/cylinder.nff", Refused("NFF scenes are not read")),
-    ("nff/positionTest.nff", Refused("NFF scenes are not read")),
-    ("nff/spheres.nff", Refused("NFF scenes are not read")),
-    ("nff/teapot_sense8.nff", Refused("NFF scenes are not read")),
+    // Three spheres and a quad.
+    ("nff/WithCamera.nff", Loaded(3 * 960 + 2, 1, 0)),
+    // Two spheres, a cone that is cut off and one with a point.
+    ("nff/cone.nff", Loaded(2 * 960 + 64 + 32, 1, 0)),
+    ("nff/cylinder.nff", Loaded(64, 1, 0)),
+    ("nff/positionTest.nff", Loaded(14 * 960 + 64, 1, 0)),
+    ("nff/spheres.nff", Loaded(4 * 960, 1, 0)),
+    ("nff/teapot_sense8.nff", Refused("Sense8's WorldToolKit")),
 ];
 
 /// What is not as expected.

@@ -15,6 +15,11 @@ pub enum TransformError {
         "the transform is singular: it flattens space and cannot be undone; give every axis a scale that is not 0"
     )]
     Singular,
+    /// A ray could not be taken to the object's space.
+    #[error(
+        "the transform is out of range: of its inverse the largest component must lie between 2^-60 and 2^60, and what it places must stay finite; scale the object's vertices instead"
+    )]
+    OutOfRange,
 }
 
 /// A scene that cannot be made into a structure.
@@ -49,6 +54,17 @@ pub enum SceneError {
         /// How many there may be.
         limit: usize,
     },
+    /// An instance cannot be placed.
+    #[error("instance {instance}: {why}")]
+    Transform {
+        /// The instance.
+        instance: usize,
+        /// What is wrong with its transform.
+        why: TransformError,
+    },
+    /// No top level can be built over the instances.
+    #[error(transparent)]
+    TopLevel(#[from] crate::two_level::top_level::TopLevelError),
 }
 
 /// Why a structure was not built.
@@ -115,6 +131,9 @@ pub enum UpdateError {
         /// Its number, in the order of instances, geometries and primitives.
         number: usize,
     },
+    /// The structure cuts space by planes, which triangles that move leave behind.
+    #[error("a kd-tree cannot follow triangles that move: build it anew, or take a BVH")]
+    FixedPlanes,
 }
 
 /// A structure, walk or query that does not exist, or not in this combination. The text names the ones that do.

@@ -11,7 +11,7 @@
 //!
 //! The vocabulary stands in small modules: [`Ray`], [`Hit`], [`Aabb`], [`Sphere`], [`Triangle`],
 //! [`Transform`], [`Mesh`], [`Scene`]. Each structure has a folder with its nodes, builders and walks: [`bvh`],
-//! [`wide_bvh`].
+//! [`wide_bvh`], [`traversal_list`], [`kd_tree`], [`two_level`].
 //! [`catalogue`] is the one table of what can be traced.
 //!
 //! **Features.** `parallel` (default) builds and traces batches on rayon, in whichever pool the caller
@@ -26,6 +26,7 @@ pub mod catalogue;
 mod clock;
 mod error;
 mod hit;
+pub mod kd_tree;
 mod mesh;
 mod monitor;
 mod parallel;
@@ -34,12 +35,14 @@ mod probe;
 mod progress;
 mod query;
 pub mod ray;
+mod refit;
 mod scene;
 mod sphere;
 mod status;
 mod transform;
 pub mod traversal_list;
 pub mod triangle;
+pub mod two_level;
 pub mod wide_bvh;
 
 pub use aabb::Aabb;
@@ -51,6 +54,7 @@ pub use error::{
 };
 pub use glam;
 pub use hit::Hit;
+pub use kd_tree::{KdOptions, KdTree};
 pub use mesh::Mesh;
 pub use monitor::{Monitor, NoMonitor};
 pub use point::{
@@ -60,10 +64,12 @@ pub use point::{
 pub use probe::{CounterTotals, Counters, NoProbe, Probe};
 pub use query::Query;
 pub use ray::{LARGEST_DIRECTION, PreparedRay, Ray, SMALLEST_DIRECTION};
+pub use refit::RefitReport;
 pub use scene::{FlatScene, InputReport, Instance, Object, Scene};
 pub use sphere::Sphere;
 pub use status::Status;
 pub use transform::Transform;
 pub use traversal_list::{ListOptions, TraversalList};
 pub use triangle::{FlatTriangle, Triangle};
+pub use two_level::{ChangeError, TwoLevel, TwoLevelOptions};
 pub use wide_bvh::{WideBvh, WideOptions};

@@ -44,3 +44,15 @@ pub(crate) fn map_chunks<T: Sync, R: Send>(
 pub(crate) fn map_chunks<T, R>(input: &[T], chunk: usize, map: impl Fn(usize, &[T]) -> R) -> Vec<R> {
     input.chunks(chunk).enumerate().map(|(index, part)| map(index * chunk, part)).collect()
 }
+
+/// Runs something in the caller's thread pool while the caller goes on.
+#[cfg(feature = "parallel")]
+pub(crate) fn spawn(work: impl FnOnce() + Send + 'static) {
+    rayon::spawn(work);
+}
+
+/// Runs something at once.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn spawn(work: impl FnOnce()) {
+    work();
+}

@@ -24,9 +24,18 @@ pub trait Probe {
     /// The stack holds this many entries after a push.
     #[inline(always)]
     fn stack_depth(&mut self, _entries: usize) {}
+    /// The boxes of an object in its place are tested.
+    #[inline(always)]
+    fn object_tested(&mut self) {}
     /// The structure of an object is entered.
     #[inline(always)]
     fn object_entered(&mut self) {}
+    /// The structure of an object is left again.
+    #[inline(always)]
+    fn object_left(&mut self) {}
+    /// A smart stack held so many bytes at most, and handed so many entries to its slower memory.
+    #[inline(always)]
+    fn stack_bytes(&mut self, _most: u32, _swaps: u32) {}
 }
 
 /// The probe that counts nothing.

@@ -171,21 +171,7 @@ impl Scene {
     /// # Errors
     /// When an instance names no object, or there are more instances or triangles than the identity words hold.
     pub fn flatten(&self) -> Result<FlatScene, SceneError> {
-        if self.instances.len() > FlatTriangle::INSTANCE_LIMIT {
-            return Err(SceneError::TooManyInstances {
-                instances: self.instances.len(),
-                limit: FlatTriangle::INSTANCE_LIMIT,
-            });
-        }
-        for (index, instance) in self.instances.iter().enumerate() {
-            if instance.object as usize >= self.objects.len() {
-                return Err(SceneError::NoSuchObject {
-                    instance: index,
-                    object: instance.object,
-                    objects: self.objects.len(),
-                });
-            }
-        }
+        self.check_instances()?;
         let triangles = self.triangle_count();
         // A node's link and a binary tree's node count must fit 32 bits.
         let limit = (u32::MAX / 2) as usize;
@@ -203,6 +189,26 @@ impl Scene {
             }
         }
         Ok(flat)
+    }
+
+    /// Refuses instances of nothing, and more of them than an index counts.
+    pub(crate) fn check_instances(&self) -> Result<(), SceneError> {
+        if self.instances.len() > FlatTriangle::INSTANCE_LIMIT {
+            return Err(SceneError::TooManyInstances {
+                instances: self.instances.len(),
+                limit: FlatTriangle::INSTANCE_LIMIT,
+            });
+        }
+        for (index, instance) in self.instances.iter().enumerate() {
+            if instance.object as usize >= self.objects.len() {
+                return Err(SceneError::NoSuchObject {
+                    instance: index,
+                    object: instance.object,
+                    objects: self.objects.len(),
+                });
+            }
+        }
+        Ok(())
     }
 
     fn placed(&self) -> impl Iterator<Item = (&Instance, &Object)> {

@@ -162,7 +162,14 @@ fn is_worth_measuring(walk: Walk) -> bool {
             };
             register == TrailRegister::Auto && sizes.contains(&short_stack)
         }
-        Walk::Recursive | Walk::Stack(_) | Walk::List => true,
+        Walk::Recursive
+        | Walk::Stack(_)
+        | Walk::List
+        | Walk::KdRestart
+        | Walk::KdBacktrack
+        | Walk::ShortStack { .. }
+        | Walk::Ropes
+        | Walk::SmartStack { .. } => true,
     }
 }
 

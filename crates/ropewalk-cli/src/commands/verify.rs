@@ -10,7 +10,7 @@ use clap::Args;
 use report::{DeviceRecord, Document, RowRecord};
 use ropewalk::catalogue::{self, Row};
 use ropewalk::traversal_list::Starts;
-use ropewalk::{Query, Ray, Structure, TraceOptions, Traced, Walk};
+use ropewalk::{Query, Ray, Structure, StructureKind, TraceOptions, Traced, Walk};
 use ropewalk_gpu::{Device, DeviceChoice, Gpu, GpuError, Traceable, Tracer};
 use ropewalk_testkit::conformance::{self, Accuracy, Suite};
 use std::time::Instant;
@@ -27,6 +27,7 @@ Examples:
   ropewalk verify                     the CPU and every adapter
   ropewalk verify --device gpu:0
   ropewalk verify --device cpu --json
+  ropewalk verify --structure kd-tree --structure two-level
 
 The exit code is 1 when anything failed.";
 
@@ -36,9 +37,19 @@ The exit code is 1 when anything failed.";
 pub(crate) struct Arguments {
     #[arg(long, value_name = "DEVICE", help = DEVICE_HELP, long_help = DEVICE_LONG_HELP)]
     device: Option<DeviceChoice>,
+    /// The kinds of structures to check; may be given several times; by default all
+    #[arg(long = "structure", value_name = "NAME", value_parser = kind)]
+    structures: Vec<StructureKind>,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
+}
+
+/// A kind of structure by its name, without keys.
+fn kind(text: &str) -> Result<StructureKind, String> {
+    let names = || StructureKind::EVERY.map(StructureKind::name).join(", ");
+    let found = StructureKind::EVERY.into_iter().find(|kind| kind.name() == text);
+    found.ok_or_else(|| format!("there is no structure '{text}'; there is {}", names()))
 }
 
 /// A device as the suite wants it.
@@ -82,7 +93,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let devices = devices(arguments)?;
     let mut suites = Suites::default();
     let records: Vec<DeviceRecord> =
-        devices.into_iter().map(|(name, device)| verify(name, device, &mut suites)).collect();
+        devices.into_iter().map(|(name, device)| verify(name, device, arguments, &mut suites)).collect();
     let passed = records.iter().all(|record| record.passed);
     let document = Document { passed, devices: records };
     if arguments.json {
@@ -133,7 +144,12 @@ impl Suites {
     }
 }
 
-fn verify(name: String, device: Result<Device, GpuError>, suites: &mut Suites) -> DeviceRecord {
+fn verify(
+    name: String,
+    device: Result<Device, GpuError>,
+    arguments: &Arguments,
+    suites: &mut Suites,
+) -> DeviceRecord {
     let device = match device {
         Ok(device) => device,
         Err(error) => {
@@ -145,7 +161,11 @@ fn verify(name: String, device: Result<Device, GpuError>, suites: &mut Suites) -
         Device::Gpu(tracer) if !tracer.gpu().is_software() => Accuracy::Relaxed,
         _ => Accuracy::Exact,
     };
-    let rows: Vec<Row> = catalogue::rows().into_iter().filter(|row| row.device == device.kind()).collect();
+    let wanted = &arguments.structures;
+    let is_wanted = |row: &Row| {
+        row.device == device.kind() && (wanted.is_empty() || wanted.contains(&row.structure.kind()))
+    };
+    let rows: Vec<Row> = catalogue::rows().into_iter().filter(is_wanted).collect();
     let suite = suites.get(accuracy);
     let start = Instant::now();
     let progress = Progress::bar(format!("verifying {name}"));
@@ -172,7 +192,8 @@ mod tests {
     #[test]
     fn a_device_that_does_not_open_has_failed() {
         let mut suites = Suites::default();
-        let record = verify("gpu:0 broken".into(), Err(GpuError::NoAdapter), &mut suites);
+        let arguments = Arguments { device: None, structures: Vec::new(), json: false };
+        let record = verify("gpu:0 broken".into(), Err(GpuError::NoAdapter), &arguments, &mut suites);
         assert!(!record.passed);
         let document = Document { passed: false, devices: vec![record] };
         assert!(document.to_text().contains("cannot be checked"), "{}", document.to_text());

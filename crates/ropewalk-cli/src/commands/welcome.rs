@@ -8,7 +8,7 @@ ropewalk answers ray queries, and renders with them, on the CPU and on any GPU.
 
 Try first:
   ropewalk render -o demo.png             render the built-in demo scene
-  ropewalk render model.glb -o model.png  render a file: OBJ, PLY, STL, glTF, GLB
+  ropewalk render model.glb -o model.png  render a file: OBJ, PLY, STL, glTF, GLB, AFF
   ropewalk info model.glb                 what a file holds and what is wrong with it
   ropewalk verify                         check every walk on this machine's devices
   ropewalk bench                          measure them

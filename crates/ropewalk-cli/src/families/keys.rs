@@ -3,8 +3,9 @@
 use ropewalk::bvh::{LeafOrder, MAX_DEPTH};
 use ropewalk::catalogue::StructureKind;
 use ropewalk::traversal_list::{Bounds, ChildOrder, Clearance, Cull, Directions, Heads, Source};
+use ropewalk::two_level::Opening;
 use ropewalk::wide_bvh::{Collapse, Width};
-use ropewalk::{BuildOptions, Builder, ListOptions, StructureSpec};
+use ropewalk::{BuildOptions, Builder, KdOptions, ListOptions, StructureSpec};
 use serde::Serialize;
 
 /// A kind of structure and how it is written.
@@ -51,8 +52,15 @@ pub(crate) fn kinds() -> Vec<KindRecord> {
                 "traversal lists: elements in the order of the walk, with escape indices",
                 list_keys().into(),
             ),
+            StructureKind::KdTree => {
+                ("space cut by planes, with the triangles of every cell that they reach", kd_keys().into())
+            }
+            StructureKind::TwoLevel => (
+                "a structure an object, with that one's keys besides, under a hierarchy over all instances",
+                two_level_keys().into(),
+            ),
         };
-        if kind != StructureKind::List {
+        if matches!(kind, StructureKind::Bvh | StructureKind::WideBvh) {
             keys.extend(build_keys());
         }
         let tried = StructureSpec::every().into_iter().filter(|spec| spec.kind() == kind);
@@ -85,6 +93,63 @@ fn choice<T: PartialEq>(
     let default = names.iter().find(|(_, value)| value == default).map_or(NONE, |(name, _)| name);
     let values: Vec<&str> = names.iter().map(|(name, _)| *name).collect();
     KeyRecord { key, values: values.join("|"), default: default.into(), about }
+}
+
+fn kd_keys() -> [KeyRecord; 5] {
+    let plain = KdOptions::default();
+    let costs = [1, KdOptions::MAX_COST];
+    [
+        KeyRecord {
+            key: "max-depth",
+            values: format!("auto|1..{}", ropewalk::kd_tree::MAX_DEPTH),
+            default: "auto".into(),
+            about: "the depth that no leaf exceeds; auto: 8 + 1.3 log2 n",
+        },
+        number("traversal-cost", costs, Some(plain.traversal_cost), "what SAH takes a node to cost"),
+        number(
+            "intersection-cost",
+            costs,
+            Some(plain.intersection_cost),
+            "what SAH takes a triangle to cost, in the same unit",
+        ),
+        number(
+            "empty-bonus",
+            [0, KdOptions::MAX_EMPTY_BONUS],
+            Some(plain.empty_bonus),
+            "what a split that leaves one side empty is spared, in percent",
+        ),
+        number(
+            "duplication",
+            [1, KdOptions::MAX_DUPLICATION],
+            Some(plain.duplication),
+            "the most references in all leaves, per triangle",
+        ),
+    ]
+}
+
+fn two_level_keys() -> [KeyRecord; 4] {
+    let key = |key, values: &str, default: &str, about| KeyRecord {
+        key,
+        values: values.into(),
+        default: default.into(),
+        about,
+    };
+    [
+        key("bottom", "kd-tree|bvh|wide-bvh|list|mixed", "kd-tree", "the structure of each object"),
+        key("oriented", "yes|no", "yes", "whether it lies in the oriented box, where that is smaller"),
+        key(
+            "opening",
+            "never|by-cost|blindly",
+            "never",
+            "whether it sees parts: where it pays, or of all large ones",
+        ),
+        key(
+            "parts",
+            &format!("{}..{}", Opening::PARTS[0], Opening::PARTS[1]),
+            "4",
+            "by-cost: entries an instance on average; blindly: of a large one",
+        ),
+    ]
 }
 
 fn list_keys() -> [KeyRecord; 11] {
@@ -193,10 +258,11 @@ mod tests {
             for key in &kind.keys {
                 let parse =
                     |value: &str| format!("{}:{}={value}", kind.structure, key.key).parse::<StructureSpec>();
-                let values: Vec<&str> = match key.values.split_once("..") {
+                let ends = |value| match str::split_once(value, "..") {
                     Some((from, to)) => vec![from, to],
-                    None => key.values.split('|').collect(),
+                    None => vec![value],
                 };
+                let values: Vec<&str> = key.values.split('|').flat_map(ends).collect();
                 for value in values {
                     assert!(parse(value).is_ok(), "{} {}={value}", kind.structure, key.key);
                 }
@@ -218,10 +284,12 @@ mod tests {
     #[test]
     fn ranges_end_where_builders_refuse() {
         let scene = ropewalk::Scene::default();
-        let (build, list) = (build_keys(), list_keys());
+        let (build, list, kd) = (build_keys(), list_keys(), kd_keys());
         let of = |structure, keys| std::iter::repeat(structure).zip(keys);
-        for (structure, key) in of("bvh", build.as_slice()).chain(of("list", list.as_slice())) {
-            let Some((from, to)) = key.values.split_once("..") else { continue };
+        let keys = of("bvh", build.as_slice()).chain(of("list", list.as_slice())).chain(of("kd-tree", &kd));
+        for (structure, key) in keys {
+            let range = key.values.split('|').find_map(|values| values.split_once(".."));
+            let Some((from, to)) = range else { continue };
             let (from, to): (u32, u32) = (from.parse().unwrap(), to.parse().unwrap());
             let builds = |value: u64| {
                 let spec = format!("{structure}:{}={value}", key.key).parse::<StructureSpec>();

@@ -84,7 +84,7 @@ fn find_head(layer: u32, list: u32, step_budget: u32) -> vec2<u32> {
 
 fn answer(index: u32) {
     let row = index / batch.k;
-    let lists = list_words[1];
+    let lists = list_word(1);
     // Of all lists of all layers.
     let own = index - row * batch.k;
     var layer = 0u;

@@ -41,7 +41,11 @@ fn answer(index: u32) {
     if is_valid(ray) {
         let prepared = prepare_ray(ray);
         collect.t_max = prepared.t_max;
+#ifdef TWO_LEVEL
+        status = lead(Seeker(ray, prepared), &collect);
+#else
         status = lead(prepared, &collect);
+#endif
     }
     store_result(index, collect, status);
 }

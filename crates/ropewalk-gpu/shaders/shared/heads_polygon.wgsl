@@ -34,13 +34,13 @@ fn gather_half_spaces(row: u32, list: u32, at: u32, rows_at: u32) -> bool {
     let a = load_vertex(records[record + 1u]);
     let b = load_vertex(records[record + 2u]);
     let c = load_vertex(records[record + 3u]);
-    let mirrored = (list_shared[list_words[2] + 3u * records[record] + 1u] & #{MIRROR}) != 0u;
+    let mirrored = (shared_word(list_word(2) + 3u * records[record] + 1u) & #{MIRROR}) != 0u;
     let normal = cross(b - a, c - a);
     let front = select(normal, -normal, mirrored);
-    if goes_with_all(list_words[1], load_record_vector(at + 1u), -front) {
+    if goes_with_all(list_word(1), load_record_vector(at + 1u), -front) {
         return false;
     }
-    let largest = bitcast<f32>(list_words[4]);
+    let largest = bitcast<f32>(list_word(4));
     let size = max(abs(front.x), max(abs(front.y), abs(front.z)));
     let size_bits = bitcast<u32>(size);
     if size_bits > 0u && size_bits < 0x7f800000u {

@@ -1,14 +1,13 @@
-// Traversal lists in two buffers: the twin of ropewalk's traversal_list/element.rs and directions.rs. One buffer has a
-// header and the elements of all lists of all layers, five words each; the other has the vertices that all lists share,
+// Traversal lists: the twin of ropewalk's traversal_list/element.rs and directions.rs. One part, list_word, has a
+// header and the elements of all lists of all layers, five words each; the other, shared_word, has the vertices that all lists share,
 // three words each, and behind them who each triangle is, three words too.
 // Source: Toczek, Houzet, Mancini 2010, section 2.1. The header's places come from ropewalk-gpu's shader/list_layout.rs.
 // Invariants: words are loaded as integers, since those of identity may look like a NaN. An element that is no triangle
 //   has a next one, the first of its children; an escape index leads to an element of the same list, or is 0 or -1.
 
+#import #{LIST_BUFFERS}
 #import shared/triangle
 
-@group(#{STRUCTURE_GROUP}) @binding(0) var<storage, read> list_words: array<u32>;
-@group(#{STRUCTURE_GROUP}) @binding(1) var<storage, read> list_shared: array<u32>;
 
 // The place of an element that is not there: of the first of an empty list, and behind the last.
 const NO_ELEMENT: u32 = 0xffffffffu;
@@ -22,19 +21,19 @@ struct Element {
 }
 
 fn layer_count() -> u32 {
-    return list_words[0];
+    return list_word(0);
 }
 
 // The place of the first element of a list, or NO_ELEMENT.
 fn first_element(layer: u32, list: u32) -> u32 {
-    return list_words[#{LIST_LAYERS_AT}u + #{LIST_LAYER_WORDS}u * layer + list];
+    return list_word(#{LIST_LAYERS_AT}u + #{LIST_LAYER_WORDS}u * layer + list);
 }
 
 fn load_element(place: u32) -> Element {
     let at = #{LIST_HEADER_WORDS}u + 5u * place;
     return Element(
-        bitcast<i32>(list_words[at]),
-        vec4<u32>(list_words[at + 1u], list_words[at + 2u], list_words[at + 3u], list_words[at + 4u]),
+        bitcast<i32>(list_word(at)),
+        vec4<u32>(list_word(at + 1u), list_word(at + 2u), list_word(at + 3u), list_word(at + 4u)),
     );
 }
 
@@ -45,19 +44,19 @@ fn is_triangle(element: Element) -> bool {
 
 fn load_vertex(index: u32) -> vec3<f32> {
     let at = 3u * index;
-    return bitcast<vec3<f32>>(vec3<u32>(list_shared[at], list_shared[at + 1u], list_shared[at + 2u]));
+    return bitcast<vec3<f32>>(vec3<u32>(shared_word(at), shared_word(at + 1u), shared_word(at + 2u)));
 }
 
 // The triangle of an element that is one.
 fn load_listed_triangle(payload: vec4<u32>) -> Triangle {
-    let identity = list_words[2] + 3u * payload.w;
+    let identity = list_word(2) + 3u * payload.w;
     return Triangle(
         load_vertex(payload.x),
-        list_shared[identity],
+        shared_word(identity),
         load_vertex(payload.y),
-        list_shared[identity + 1u],
+        shared_word(identity + 1u),
         load_vertex(payload.z),
-        list_shared[identity + 2u],
+        shared_word(identity + 2u),
     );
 }
 
@@ -65,7 +64,7 @@ fn load_listed_triangle(payload: vec4<u32>) -> Triangle {
 // signs. The same in every layer.
 fn list_of(ray: PreparedRay) -> u32 {
     let negative = vec3<u32>(ray.inverse < vec3<f32>(0.0));
-    switch list_words[1] {
+    switch list_word(1) {
         case 2u: {
             return negative.x;
         }

@@ -43,6 +43,13 @@ fn probe_restart() {
 #endif
 }
 
+// The structure of an object is entered.
+fn probe_object_entered() {
+#ifdef COUNTERS
+    counters.objects_entered += 1u;
+#endif
+}
+
 // The stack holds this many entries after a push.
 fn probe_stack_depth(entries: u32) {
 #ifdef COUNTERS

@@ -5,7 +5,9 @@
 #import shared/aabb
 #import shared/list_grid
 
+#ifndef TWO_LEVEL
 alias Seeker = PreparedRay;
+#endif
 
 var<private> layer_grid: Grid;
 
@@ -15,7 +17,7 @@ fn enter_layer(layer: u32) {
 }
 
 // Where the volume of an inner node begins and ends, up to `limit`.
-fn approach(seeker: Seeker, payload: vec4<u32>, limit: f32) -> Interval {
+fn approach(seeker: PreparedRay, payload: vec4<u32>, limit: f32) -> Interval {
     let corners = box_corners(layer_grid, payload);
     return slab_test(seeker, corners.low, corners.high, limit);
 }

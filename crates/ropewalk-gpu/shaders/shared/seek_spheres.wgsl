@@ -4,12 +4,14 @@
 
 #import shared/sphere
 
+#ifndef TWO_LEVEL
 alias Seeker = PreparedRay;
+#endif
 
 // Makes ready for the lists of a layer. Spheres need nothing.
 fn enter_layer(layer: u32) {}
 
 // Where the volume of an inner node begins and ends, up to `limit`.
-fn approach(seeker: Seeker, payload: vec4<u32>, limit: f32) -> Interval {
+fn approach(seeker: PreparedRay, payload: vec4<u32>, limit: f32) -> Interval {
     return sphere_interval(seeker, bitcast<vec4<f32>>(payload), limit);
 }

@@ -2,8 +2,8 @@
 // Source: Laine 2010, section 3: on-chip memory; for the rest as short_stack_ring.
 // Invariants: those of short_stack_ring. Each invocation reads and writes its own places alone, and reads none that
 //   it has not written, so there is no barrier and nothing need be zeroed. The same place of neighbouring invocations
-//   lies side by side, so that no two of them ask the same bank. At most 16 entries of 8 bytes for 64 invocations:
-//   8 KiB.
+//   lies side by side, so that no two of them ask the same bank. At most 16 entries of 8 bytes, or 12 of cells, for
+//   64 invocations: 8 KiB, or 12.
 
 #import shared/invocation
 #import shared/postponed

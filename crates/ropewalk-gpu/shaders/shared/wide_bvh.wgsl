@@ -30,7 +30,8 @@ fn hit_children(
 #repeat OTHER #{WIDTH}
         rank += u32(select(entry_#{OTHER} < entry_#{SLOT}, entry_#{OTHER} <= entry_#{SLOT}, #{OTHER}u < #{SLOT}u));
 #endrepeat
-        (*sorted)[rank] = Postponed(first + #{SLOT}u, entry_#{SLOT});
+        (*sorted)[rank].node = first + #{SLOT}u;
+        (*sorted)[rank].entry = entry_#{SLOT};
         hits += 1u;
     }
 #endrepeat

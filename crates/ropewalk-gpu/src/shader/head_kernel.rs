@@ -1,7 +1,7 @@
 //! The kernels of heads: where rays may begin that stay within half-spaces.
 
 use super::assembly::{AssemblyError, Definitions};
-use super::kernel::{constants, float};
+use super::constants::{constants, float};
 use super::library::ShaderLibrary;
 use ropewalk::traversal_list::{Bounds, heads};
 

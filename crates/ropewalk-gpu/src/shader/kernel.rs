@@ -1,17 +1,13 @@
 //! The shipped kernels: which files and definitions each combination of tree, walk, query and counters is made of.
 
 use super::assembly::{AssemblyError, Definitions};
+use super::constants::constants;
 use super::library::ShaderLibrary;
-use super::list_layout;
-use super::tree::Tree;
-use crate::gpu::WORKGROUP_SIZE;
+use super::tree::{LevelBottoms, Tree};
 use ropewalk::bvh::StackOrder;
 use ropewalk::catalogue::{StackMemory, TrailOptions, TrailRegister, is_offered};
-use ropewalk::traversal_list::{Bounds, NO_HEAD};
-use ropewalk::{
-    DeviceKind, FlatTriangle, Hit, LARGEST_DIRECTION, Query, SMALLEST_DIRECTION, Sphere, Status, Walk, aabb,
-    ray,
-};
+use ropewalk::traversal_list::Bounds;
+use ropewalk::{DeviceKind, Query, Walk};
 
 /// The bind group of a structure: nodes and triangles.
 pub const STRUCTURE_GROUP: u32 = 0;
@@ -87,14 +83,16 @@ impl Kernel {
         let tree = match self.tree {
             Tree::Binary => "bvh".into(),
             Tree::Wide(width) => format!("wide-bvh:width={}", width.children()),
+            Tree::Kd => "kd-tree".into(),
+            Tree::Levels(bottoms) => format!("two-level of {bottoms:?}"),
             Tree::List { bounds, one_sided } => {
                 let bounds = if bounds == Bounds::Sphere { "sphere" } else { "aabb" };
                 format!("list:bounds={bounds}{}", if one_sided { ", one-sided" } else { "" })
             }
         };
         let stack = match self.walk {
-            Walk::RestartTrail(_) | Walk::List => String::new(),
-            _ => format!(", {} stack entries", self.stack_entries),
+            Walk::Stack(_) | Walk::SmartStack { .. } => format!(", {} stack entries", self.stack_entries),
+            _ => String::new(),
         };
         let counters = if self.counters { " with counters" } else { "" };
         let starts = match self.starts {
@@ -119,6 +117,8 @@ impl Kernel {
         };
         let seeker = match self.tree {
             Tree::Binary | Tree::Wide(_) => "shared/seek_ray",
+            Tree::Kd => "shared/seek_cells",
+            Tree::Levels(_) => "shared/seek_levels",
             Tree::List { bounds: Bounds::Sphere, .. } => "shared/seek_spheres",
             Tree::List { bounds: Bounds::Aabb, .. } => "shared/seek_boxes",
         };
@@ -128,6 +128,26 @@ impl Kernel {
         }
         match self.tree {
             Tree::Binary => {}
+            Tree::Kd => definitions = definitions.flag("CELLS", true),
+            Tree::Levels(bottoms) => {
+                let has_cells = bottoms.has_kd_trees();
+                definitions = definitions
+                    .flag("TWO_LEVEL", true)
+                    .flag("CELLS", has_cells)
+                    .flag("BOTTOM_KD_TREE", has_cells)
+                    .flag("BOTTOM_WIDE", bottoms.width().is_some())
+                    .flag("BOTTOM_LIST", bottoms.bounds().is_some())
+                    .flag("ONE_SIDED", matches!(bottoms, LevelBottoms::List { one_sided: true, .. }))
+                    .text("LIST_BUFFERS", "shared/level_list");
+                if let Some(width) = bottoms.width() {
+                    definitions = definitions.text("WIDTH", width.children());
+                }
+                if let Some(bounds) = bottoms.bounds() {
+                    let is_sphere = bounds == Bounds::Sphere;
+                    let volumes = if is_sphere { "shared/seek_spheres" } else { "shared/seek_boxes" };
+                    definitions = definitions.text("VOLUMES", volumes);
+                }
+            }
             Tree::Wide(width) => definitions = definitions.text("WIDTH", width.children()),
             Tree::List { one_sided, .. } => definitions = definitions.flag("ONE_SIDED", one_sided),
         }
@@ -152,16 +172,24 @@ impl Kernel {
 pub(super) fn with_walk(definitions: Definitions, tree: Tree, walk: Walk, stack_entries: u32) -> Definitions {
     match walk {
         Walk::BruteForce | Walk::Recursive => definitions,
+        Walk::SmartStack { bytes } => definitions
+            .text("WALK", "walk/walk_two_level")
+            .text("LEVEL_STACK", "shared/smart_stack")
+            .text("RING_WORDS", bytes / 4)
+            .text("STACK_ENTRIES", stack_entries),
         Walk::List => definitions.text("WALK", "walk/walk_list"),
         Walk::Stack(order) => {
             let file = match (tree, order) {
                 (Tree::List { .. }, _) => return definitions,
+                (Tree::Kd, _) => "walk/walk_kd_stack",
+                (Tree::Levels(_), _) => "walk/walk_two_level",
                 (Tree::Wide(_), _) => "walk/walk_wide_bvh_stack",
                 (Tree::Binary, StackOrder::Ordered) => "walk/walk_bvh_stack",
                 (Tree::Binary, _) => "walk/walk_bvh_postponed",
             };
             definitions
                 .text("WALK", file)
+                .text("LEVEL_STACK", "shared/level_stack")
                 .text("STACK_ENTRIES", stack_entries)
                 .flag("CULL", order != StackOrder::Unordered)
                 .flag("SORT", order == StackOrder::Sorted)
@@ -170,23 +198,40 @@ pub(super) fn with_walk(definitions: Definitions, tree: Tree, walk: Walk, stack_
             let file = match tree {
                 Tree::Binary => "walk/walk_bvh_restart_trail",
                 Tree::Wide(_) => "walk/walk_wide_bvh_restart_trail",
-                Tree::List { .. } => return definitions,
+                Tree::Kd => "walk/walk_kd_restart_trail",
+                Tree::List { .. } | Tree::Levels(_) => return definitions,
             };
-            with_trail(definitions.text("WALK", file), tree, options)
+            let definitions = definitions.text("WALK", file).flag("TRAIL_STACK", options.short_stack > 0);
+            with_trail(definitions, tree, options)
+        }
+        Walk::KdRestart => with_trail(definitions.text("WALK", "walk/walk_kd_restart"), tree, WITHOUT_STACK),
+        Walk::KdBacktrack => {
+            with_trail(definitions.text("WALK", "walk/walk_kd_backtrack"), tree, WITHOUT_STACK)
+        }
+        Walk::Ropes => with_trail(definitions.text("WALK", "walk/walk_kd_ropes"), tree, WITHOUT_STACK),
+        Walk::ShortStack { entries } => {
+            let options = TrailOptions { short_stack: entries, ..WITHOUT_STACK };
+            with_trail(definitions.text("WALK", "walk/walk_kd_short_stack"), tree, options)
         }
     }
 }
+
+/// The trail that walks by `t` alone hand a ray over to where `t` decides nothing.
+const WITHOUT_STACK: TrailOptions =
+    TrailOptions { short_stack: 0, register: TrailRegister::Auto, memory: StackMemory::Private };
 
 /// The files of the trail's bits and of its short stack.
 fn with_trail(definitions: Definitions, tree: Tree, options: TrailOptions) -> Definitions {
     let trail = match (tree, options.register) {
         (Tree::Binary, TrailRegister::U32) => Some("shared/trail_u32"),
-        (Tree::Binary, TrailRegister::U64) => Some("shared/trail_u64"),
+        (Tree::Binary, TrailRegister::U64) | (Tree::Kd, TrailRegister::Auto) => Some("shared/trail_u64"),
         (Tree::Binary, TrailRegister::Array) => Some("shared/trail_array"),
         (Tree::Wide(_), TrailRegister::U64) => Some("shared/wide_trail_u64"),
         (Tree::Wide(_), TrailRegister::Array) => Some("shared/wide_trail_array"),
         // Not resolved, or not there: the shader cannot be assembled.
-        (_, TrailRegister::Auto) | (Tree::Wide(_), TrailRegister::U32) | (Tree::List { .. }, _) => None,
+        (_, TrailRegister::Auto)
+        | (Tree::Wide(_), TrailRegister::U32)
+        | (Tree::Kd | Tree::List { .. } | Tree::Levels(_), _) => None,
     };
     let stack = match (options.short_stack, options.memory) {
         (0, _) => "shared/short_stack_none",
@@ -195,46 +240,6 @@ fn with_trail(definitions: Definitions, tree: Tree, options: TrailOptions) -> De
     };
     let definitions = definitions.text("SHORT_STACK", stack).text("SHORT_STACK_ENTRIES", options.short_stack);
     trail.into_iter().fold(definitions, |these, trail| these.text("TRAIL", trail))
-}
-
-/// What is the same in all kernels.
-pub(super) fn constants() -> Definitions {
-    Definitions::new()
-        .text("WORKGROUP_SIZE", WORKGROUP_SIZE)
-        .text("STRUCTURE_GROUP", STRUCTURE_GROUP)
-        .text("BATCH_GROUP", BATCH_GROUP)
-        .text("PAD_ENTRY", float(aabb::PAD_ENTRY))
-        .text("PAD_EXIT", float(aabb::PAD_EXIT))
-        .text("SMALLEST_DIRECTION_BITS", word(SMALLEST_DIRECTION.to_bits()))
-        .text("LARGEST_DIRECTION_BITS", word(LARGEST_DIRECTION.to_bits()))
-        .text("PARALLEL", float(ray::PARALLEL))
-        .text("PARALLEL_INVERSE", float(ray::PARALLEL_INVERSE))
-        .text("LARGEST_INVERSE", float(ray::LARGEST_INVERSE))
-        .text("LEAST_OUTWARDS", float(ray::LEAST_OUTWARDS))
-        .text("LEAST_OUTWARDS_SHORT", float(ray::LEAST_OUTWARDS_SHORT))
-        .text("LARGEST_FLOAT", float(f32::MAX))
-        .text("SPHERE_PAD", float(Sphere::PAD))
-        .text("LIST_HEADER_WORDS", list_layout::HEADER_WORDS)
-        .text("LIST_LAYERS_AT", list_layout::LAYERS_AT)
-        .text("LIST_LAYER_WORDS", list_layout::LAYER_WORDS)
-        .text("LIST_GRID_AT", list_layout::GRID_AT)
-        .text("NONE", word(Hit::NONE))
-        .text("NO_HEAD", word(NO_HEAD))
-        .text("MIRROR", word(FlatTriangle::MIRROR))
-        .text("STATUS_COMPLETE", word(Status::COMPLETE.0))
-        .text("STATUS_INVALID_RAY", word(Status::INVALID_RAY.0))
-        .text("STATUS_STEP_BUDGET", word(Status::STEP_BUDGET.0))
-        .text("STATUS_STACK_OVERFLOW", word(Status::STACK_OVERFLOW.0))
-        .text("STATUS_WRITTEN", word(STATUS_WRITTEN))
-}
-
-/// The shortest decimal text that reads back as the same f32.
-pub(super) fn float(value: f32) -> String {
-    format!("{value:e}f")
-}
-
-pub(super) fn word(value: u32) -> String {
-    format!("{value:#x}u")
 }
 
 #[cfg(test)]
@@ -260,12 +265,21 @@ mod tests {
         // Lists: two bounds, of one side and of two, four queries, from the first elements or from heads of one layer to
         // four.
         let lists = 2 * (2 * 2 * 4 * 5);
-        assert_eq!(every.len(), binary + wide + lists);
+        // Kd-trees: stacks in 8 sizes, 17 trails, 16 short stacks and three walks without a stack, four queries each.
+        let kd_trees = 2 * 4 * (8 + 17 + 16 + 3);
+        // Two levels: twelve kinds, a stack and two rings, each in two sizes, four queries.
+        let levels = 2 * 12 * 3 * 2 * 4;
+        assert_eq!(every.len(), binary + wide + lists + kd_trees + levels);
         for row in ropewalk::catalogue::rows().into_iter().filter(|row| row.device == DeviceKind::Gpu) {
             for tree in Tree::EVERY.into_iter().filter(|tree| tree.kind() == row.structure.kind()) {
                 for (depth, counters) in [(1, false), (20, true), (31, false)] {
                     let Ok(walk) = tree.resolve(row.walk, depth) else { continue };
-                    let stack_entries = if matches!(walk, Walk::Stack(_)) { 32 } else { 0 };
+                    let has_stack = matches!(walk, Walk::Stack(_) | Walk::SmartStack { .. });
+                    let stack_entries = match (has_stack, tree) {
+                        (false, _) => 0,
+                        (true, Tree::Levels(_)) => 8,
+                        (true, _) => 32,
+                    };
                     let kernel = Kernel { tree, walk, query: row.query, counters, stack_entries, starts: 0 };
                     assert!(every.contains(&kernel), "{}", kernel.label());
                 }
@@ -298,15 +312,6 @@ mod tests {
         ] {
             let error = missing.source(&library).unwrap_err().to_string();
             assert!(error.contains(&format!("'{constant}'")), "{error}");
-        }
-    }
-
-    #[test]
-    fn constants_read_back_as_they_were() {
-        for value in
-            [aabb::PAD_ENTRY, aabb::PAD_EXIT, ray::PARALLEL, ray::LEAST_OUTWARDS_SHORT, Sphere::PAD, f32::MAX]
-        {
-            assert_eq!(float(value).trim_end_matches('f').parse(), Ok(value));
         }
     }
 }

@@ -1,9 +1,10 @@
 //! The kernels of point queries: which files and definitions each combination of walk, search and counters is made of.
 
 use super::assembly::{AssemblyError, Definitions};
+use super::constants::{constants, word};
 use super::every::{stack_sizes, walks};
 use super::head_kernel::HeadKernel;
-use super::kernel::{Kernel, constants, with_walk, word};
+use super::kernel::{Kernel, with_walk};
 use super::library::ShaderLibrary;
 use super::tree::Tree;
 use ropewalk::point::{LARGEST_POINT, PointSearch, catalogue};
@@ -110,6 +111,9 @@ impl PointKernel {
         let mut kernels = Vec::new();
         for walk in walks() {
             for search in PointSearch::EVERY {
+                if Tree::Binary.resolve(walk, 0) != Ok(walk) {
+                    continue;
+                }
                 if !catalogue::is_offered(StructureKind::Bvh, walk, search, DeviceKind::Gpu) {
                     continue;
                 }

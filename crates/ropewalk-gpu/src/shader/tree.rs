@@ -1,9 +1,98 @@
 //! What a kernel goes through: trees and lists, by their layout.
 
-use ropewalk::catalogue::{StackMemory, TrailOptions};
+use ropewalk::catalogue::{StackMemory, TrailOptions, TrailRegister};
 use ropewalk::traversal_list::Bounds;
+use ropewalk::two_level::SmartStack;
 use ropewalk::wide_bvh::Width;
 use ropewalk::{StructureKind, TraceError, Walk};
+
+/// What structures the objects of a two-level structure have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LevelBottoms {
+    /// Kd-trees.
+    KdTree,
+    /// Binary BVHs.
+    Bvh,
+    /// Wide BVHs.
+    Wide(Width),
+    /// Traversal lists.
+    List {
+        /// What bounds an inner node.
+        bounds: Bounds,
+        /// Whether triangles are hit from the front alone.
+        one_sided: bool,
+    },
+    /// Several kinds, or all of them.
+    Mixed {
+        /// Of the wide BVHs.
+        width: Width,
+        /// What bounds an inner node of the lists.
+        bounds: Bounds,
+    },
+}
+
+impl LevelBottoms {
+    /// Every one.
+    pub const EVERY: [Self; 12] = [
+        Self::KdTree,
+        Self::Bvh,
+        Self::Wide(Width::Four),
+        Self::Wide(Width::Eight),
+        Self::List { bounds: Bounds::Sphere, one_sided: false },
+        Self::List { bounds: Bounds::Sphere, one_sided: true },
+        Self::List { bounds: Bounds::Aabb, one_sided: false },
+        Self::List { bounds: Bounds::Aabb, one_sided: true },
+        Self::Mixed { width: Width::Four, bounds: Bounds::Sphere },
+        Self::Mixed { width: Width::Four, bounds: Bounds::Aabb },
+        Self::Mixed { width: Width::Eight, bounds: Bounds::Sphere },
+        Self::Mixed { width: Width::Eight, bounds: Bounds::Aabb },
+    ];
+
+    /// Whether there may be kd-trees.
+    #[must_use]
+    pub const fn has_kd_trees(self) -> bool {
+        matches!(self, Self::KdTree | Self::Mixed { .. })
+    }
+
+    /// The width of the wide BVHs, where there may be any.
+    #[must_use]
+    pub const fn width(self) -> Option<Width> {
+        match self {
+            Self::Wide(width) | Self::Mixed { width, .. } => Some(width),
+            _ => None,
+        }
+    }
+
+    /// What bounds the inner nodes of the lists, where there may be any.
+    #[must_use]
+    pub const fn bounds(self) -> Option<Bounds> {
+        match self {
+            Self::List { bounds, .. } | Self::Mixed { bounds, .. } => Some(bounds),
+            _ => None,
+        }
+    }
+
+    /// What serves both kinds; `None` where they have lists of other volumes, or of one side and of two, or wide BVHs of other
+    /// widths.
+    #[must_use]
+    pub fn and(self, other: Self) -> Option<Self> {
+        if self == other {
+            return Some(self);
+        }
+        let one_sided = |bottoms| matches!(bottoms, Self::List { one_sided: true, .. });
+        let same = |a: Option<_>, b: Option<_>| a.is_none() || b.is_none() || a == b;
+        if one_sided(self) || one_sided(other) || !same(self.width(), other.width()) {
+            return None;
+        }
+        if self.bounds().is_some() && other.bounds().is_some() && self.bounds() != other.bounds() {
+            return None;
+        }
+        Some(Self::Mixed {
+            width: self.width().or(other.width()).unwrap_or_default(),
+            bounds: self.bounds().or(other.bounds()).unwrap_or_default(),
+        })
+    }
+}
 
 /// What a kernel goes through: a structure by its layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -12,6 +101,8 @@ pub enum Tree {
     Binary,
     /// [`ropewalk::WideBvh`].
     Wide(Width),
+    /// [`ropewalk::KdTree`].
+    Kd,
     /// [`ropewalk::TraversalList`].
     List {
         /// What bounds an inner node.
@@ -19,18 +110,33 @@ pub enum Tree {
         /// Whether triangles are hit from the front alone.
         one_sided: bool,
     },
+    /// [`ropewalk::TwoLevel`].
+    Levels(LevelBottoms),
 }
 
 impl Tree {
     /// Every layout.
-    pub const EVERY: [Self; 7] = [
+    pub const EVERY: [Self; 20] = [
         Self::Binary,
         Self::Wide(Width::Four),
         Self::Wide(Width::Eight),
+        Self::Kd,
         Self::List { bounds: Bounds::Sphere, one_sided: false },
         Self::List { bounds: Bounds::Sphere, one_sided: true },
         Self::List { bounds: Bounds::Aabb, one_sided: false },
         Self::List { bounds: Bounds::Aabb, one_sided: true },
+        Self::Levels(LevelBottoms::EVERY[0]),
+        Self::Levels(LevelBottoms::EVERY[1]),
+        Self::Levels(LevelBottoms::EVERY[2]),
+        Self::Levels(LevelBottoms::EVERY[3]),
+        Self::Levels(LevelBottoms::EVERY[4]),
+        Self::Levels(LevelBottoms::EVERY[5]),
+        Self::Levels(LevelBottoms::EVERY[6]),
+        Self::Levels(LevelBottoms::EVERY[7]),
+        Self::Levels(LevelBottoms::EVERY[8]),
+        Self::Levels(LevelBottoms::EVERY[9]),
+        Self::Levels(LevelBottoms::EVERY[10]),
+        Self::Levels(LevelBottoms::EVERY[11]),
     ];
 
     /// The catalogue's name for it.
@@ -39,7 +145,9 @@ impl Tree {
         match self {
             Self::Binary => StructureKind::Bvh,
             Self::Wide(_) => StructureKind::WideBvh,
+            Self::Kd => StructureKind::KdTree,
             Self::List { .. } => StructureKind::List,
+            Self::Levels(_) => StructureKind::TwoLevel,
         }
     }
 
@@ -49,12 +157,18 @@ impl Tree {
     /// # Errors
     /// When a register is prescribed that is too small.
     pub fn resolve(self, walk: Walk, depth: u32) -> Result<Walk, TraceError> {
-        let Walk::RestartTrail(options) = walk else { return Ok(walk) };
+        let options = match walk {
+            Walk::RestartTrail(options) => options,
+            Walk::SmartStack { bytes } => return Ok(Walk::SmartStack { bytes: SmartStack::round(bytes) }),
+            _ => return Ok(walk),
+        };
         let register = match self {
             Self::Binary => options.register_for(depth)?,
             Self::Wide(_) => options.wide_register_for(depth)?,
-            // Refused by the catalogue: a list is no tree to find a way back in.
-            Self::List { .. } => return Ok(walk),
+            // Two words lead through the deepest.
+            Self::Kd => TrailRegister::Auto,
+            // Refused by the catalogue: a list is no tree to find a way back in, and two levels are two.
+            Self::List { .. } | Self::Levels(_) => return Ok(walk),
         };
         let short_stack = options.short_stack.min(TrailOptions::MAX_SHORT_STACK);
         // Where there is no stack, it is nowhere.
@@ -66,7 +180,24 @@ impl Tree {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ropewalk::catalogue::TrailRegister;
+
+    #[test]
+    fn kinds_of_objects_mix_where_one_kernel_serves_them() {
+        let [four, eight] = [Width::Four, Width::Eight];
+        let list = |bounds, one_sided| LevelBottoms::List { bounds, one_sided };
+        let mixed = |width, bounds| Some(LevelBottoms::Mixed { width, bounds });
+        let (wide, spheres) = (LevelBottoms::Wide(eight), list(Bounds::Sphere, false));
+        assert_eq!(LevelBottoms::Bvh.and(LevelBottoms::Bvh), Some(LevelBottoms::Bvh));
+        assert_eq!(wide.and(spheres), mixed(eight, Bounds::Sphere));
+        assert_eq!(
+            mixed(eight, Bounds::Sphere).and_then(|both| both.and(wide)),
+            mixed(eight, Bounds::Sphere)
+        );
+        assert_eq!(wide.and(LevelBottoms::Wide(four)), None);
+        assert_eq!(spheres.and(list(Bounds::Aabb, false)), None);
+        assert_eq!(list(Bounds::Aabb, true).and(LevelBottoms::KdTree), None);
+        assert_eq!(list(Bounds::Aabb, true).and(list(Bounds::Aabb, true)), Some(list(Bounds::Aabb, true)));
+    }
 
     #[test]
     fn a_register_is_chosen_by_depth_or_refused() {

@@ -18,6 +18,11 @@ pub(super) fn between(old: Option<&Bytes<'_>>, new: &Bytes<'_>) -> Vec<Range<u64
     while at < end {
         let is = new.from(at);
         let was = old.map_or(&[][..], |old| old.from(at));
+        if !was.is_empty() && std::ptr::eq(is.as_ptr(), was.as_ptr()) {
+            // What both versions share needs no look: the structures of objects that only moved.
+            at += is.len().min(was.len()) as u64;
+            continue;
+        }
         let mut len = (is.len() as u64).min(GRAIN - at % GRAIN);
         if !was.is_empty() {
             len = len.min(was.len() as u64);

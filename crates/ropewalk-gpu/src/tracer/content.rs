@@ -1,11 +1,12 @@
 //! What the two buffers of a structure hold: the bytes, in the pieces in which the structure has them, so that nothing large is
 //! copied before it is sent.
 
+use super::levels;
 use super::shape::Shape;
 use crate::GpuError;
-use crate::shader::{Tree, list_layout as layout};
+use crate::shader::{Tree, kd_layout, list_layout as layout};
 use ropewalk::traversal_list::{Grid, Layer};
-use ropewalk::{CatalogueError, FlatTriangle, Structure, TraversalList};
+use ropewalk::{CatalogueError, FlatTriangle, KdTree, Structure, TraversalList};
 use std::borrow::Cow;
 
 /// Both buffers of a structure: nodes and triangles, or elements and vertices.
@@ -57,8 +58,8 @@ impl Bytes<'_> {
 }
 
 impl<'a> Content<'a> {
-    /// Of any structure for which there are kernels.
-    pub(super) fn of(structure: &'a Structure) -> Result<Self, GpuError> {
+    /// Of any structure for which there are kernels, for buffers of at most so many bytes.
+    pub(super) fn of(structure: &'a Structure, room: u64) -> Result<Self, GpuError> {
         match structure {
             Structure::Bvh(bvh) => {
                 // One child a level is postponed.
@@ -71,7 +72,9 @@ impl<'a> Content<'a> {
                 let shape = Shape::of_tree(Tree::Wide(bvh.width()), structure, nodes, bvh.stack_entries());
                 Ok(Self::of_tree(bytemuck::cast_slice(bvh.children()), bvh.triangles(), shape))
             }
+            Structure::KdTree(tree) => Ok(Self::of_kd_tree(structure, tree, room)),
             Structure::List(lists) => Self::of_lists(lists),
+            Structure::TwoLevel(scene) => levels::content(structure, scene),
             _ => {
                 let text = "this structure has no walk on a graphics adapter; trace it on the device cpu";
                 Err(GpuError::Catalogue(CatalogueError(text.into())))
@@ -95,11 +98,52 @@ impl<'a> Content<'a> {
         }
     }
 
+    /// The places and the ropes are five times as large as the nodes, and two walks read them: where they do not fit they
+    /// are left out.
+    fn of_kd_tree(structure: &'a Structure, tree: &'a KdTree, room: u64) -> Self {
+        let way_out =
+            "trace on the CPU, build a tree that is less deep (kd-tree:max-depth=20), or split the scene";
+        // Kernels count the words of these buffers.
+        let most = 4 << 32;
+        let nodes: &[u8] = bytemuck::cast_slice(tree.nodes());
+        let leaves = tree.report().leaves as u64;
+        let without = size_of::<[u32; kd_layout::HEADER_WORDS]>() as u64 + nodes.len() as u64;
+        let with = without + 32 * tree.nodes().len() as u64 + 24 * leaves;
+        let is_complete = with <= room.min(most);
+        let header: [u32; kd_layout::HEADER_WORDS] = kd_header(tree, is_complete);
+        let mut pieces = vec![Cow::Owned(bytemuck::cast_slice(&header).to_vec()), Cow::Borrowed(nodes)];
+        if is_complete {
+            pieces.push(Cow::Borrowed(bytemuck::cast_slice(tree.places())));
+            pieces.push(Cow::Borrowed(bytemuck::cast_slice(tree.ropes())));
+        }
+        let references: &[u8] = bytemuck::cast_slice(tree.references());
+        // Kernels load four at a time.
+        let padding = vec![0; references.len().next_multiple_of(16) - references.len()];
+        // One child a level is postponed.
+        let stack_entries = tree.report().depth;
+        let shape = Shape::of_tree(Tree::Kd, structure, tree.nodes().len(), stack_entries);
+        Self {
+            nodes: Bytes { what: "nodes of the kd-tree", way_out, least: 0, most, pieces },
+            triangles: Bytes {
+                what: "triangles of the kd-tree",
+                way_out,
+                least: 64,
+                most,
+                pieces: vec![
+                    Cow::Borrowed(bytemuck::cast_slice(tree.triangles())),
+                    Cow::Borrowed(references),
+                    Cow::Owned(padding),
+                ],
+            },
+            shape: Shape { left_out: if is_complete { 0 } else { with }, room, ..shape },
+        }
+    }
+
     fn of_lists(lists: &'a TraversalList) -> Result<Self, GpuError> {
         let way_out = "trace on the CPU, build fewer lists (list:directions=1), or split the scene";
         // Kernels count the words of these buffers.
         let most = 4 << 32;
-        let header: [u32; layout::HEADER_WORDS] = header(lists)?;
+        let header: [u32; layout::HEADER_WORDS] = list_header(lists)?;
         let elements = Cow::Borrowed(bytemuck::cast_slice(lists.elements()));
         let vertices = Cow::Borrowed(bytemuck::cast_slice(lists.vertices()));
         let identities = Cow::Borrowed(bytemuck::cast_slice(lists.identities()));
@@ -123,8 +167,24 @@ impl<'a> Content<'a> {
     }
 }
 
+/// The words before the nodes: see [`kd_layout`].
+fn kd_header(tree: &KdTree, has_places: bool) -> [u32; kd_layout::HEADER_WORDS] {
+    let mut words = [0; kd_layout::HEADER_WORDS];
+    let bounds = tree.bounds();
+    let corners = bounds.min.to_array().into_iter().chain(bounds.max.to_array());
+    words[kd_layout::BOUNDS_AT..].iter_mut().zip(corners).for_each(|(word, corner)| *word = corner.to_bits());
+    // More than a word counts are refused by their bytes.
+    if has_places {
+        let places_at = kd_layout::HEADER_PAIRS + tree.nodes().len();
+        words[kd_layout::PLACES_AT..][..2]
+            .copy_from_slice(&[places_at as u32, (places_at + 4 * tree.nodes().len()) as u32]);
+    }
+    words[kd_layout::REFERENCES_AT] = (3 * tree.triangles().len()) as u32;
+    words
+}
+
 /// The words before the elements: see [`layout`].
-fn header(lists: &TraversalList) -> Result<[u32; layout::HEADER_WORDS], GpuError> {
+pub(super) fn list_header(lists: &TraversalList) -> Result<[u32; layout::HEADER_WORDS], GpuError> {
     let (layers, of_layer) = (lists.layers(), lists.options().directions.lists());
     if layers > layout::MOST_LAYERS {
         let most = layout::MOST_LAYERS;

@@ -12,6 +12,7 @@ mod all_hits;
 mod changes;
 mod content;
 mod heads;
+mod levels;
 mod limits;
 mod pipelines;
 mod points;
@@ -173,8 +174,10 @@ impl Tracer {
         options: TraceOptions,
     ) -> Result<GpuTraced, GpuError> {
         let shape = structure.shape();
+        shape.check_places(walk)?;
         // Repeats can be told only when the hits are there.
-        let through_lists = query == Query::All || (query == Query::Count && shape.has_repeats);
+        let has_repeats = shape.has_repeats || shows_again(walk);
+        let through_lists = query == Query::All || (query == Query::Count && has_repeats);
         let kernel = Kernel {
             tree: shape.tree,
             walk: shape.tree.resolve(walk, shape.depth)?,
@@ -199,7 +202,7 @@ impl Tracer {
         let jobs = parts.map(|part| counting_job(kernel, rays, part));
         let counting_time = run.trace(jobs, |words| results.append(words))?;
         let plan = Plan::new(kernel, results.words(), run.limits)?;
-        let mut lists = Lists::new(shape.has_repeats);
+        let mut lists = Lists::new(has_repeats);
         let writing_time = run.trace(plan.jobs(rays), |words| plan.read(&mut lists, words))?;
         let lists = lists.into_lists(rays.len());
         let answer = if query == Query::All {
@@ -213,12 +216,17 @@ impl Tracer {
 
     /// Entries of each ray's stack, in the sizes for which there are kernels; none where the walk brings its own.
     fn stack_entries(&self, structure: &GpuStructure, walk: Walk) -> u32 {
-        if matches!(walk, Walk::RestartTrail(_) | Walk::List) {
+        if !matches!(walk, Walk::Stack(_) | Walk::SmartStack { .. }) {
             return 0;
         }
         let needed = || Kernel::stack_entries_for(structure.shape().stack_entries);
         self.inner.options.stack_entries.unwrap_or_else(needed).max(1)
     }
+}
+
+/// Whether a walk may enter a leaf twice: those of kd-trees that go from leaf to leaf, when they give a ray over to the trail.
+const fn shows_again(walk: Walk) -> bool {
+    matches!(walk, Walk::KdRestart | Walk::KdBacktrack | Walk::ShortStack { .. } | Walk::Ropes)
 }
 
 /// One kernel on its way through the tiles of a batch.

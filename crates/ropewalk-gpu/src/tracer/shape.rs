@@ -1,5 +1,6 @@
 //! What kernels and budgets depend on in a structure.
 
+use crate::GpuError;
 use crate::shader::Tree;
 use ropewalk::{BuildReport, Structure, TraversalList, Walk};
 
@@ -20,6 +21,10 @@ pub(super) struct Shape {
     pub(super) entered: u64,
     /// Leaves.
     pub(super) leaves: u64,
+    /// Where the places and ropes of a kd-tree do not fit the device, the bytes that its nodes would need with them; else 0.
+    pub(super) left_out: u64,
+    /// The bytes that a buffer of the device may have, where something was left out.
+    pub(super) room: u64,
 }
 
 impl Shape {
@@ -35,6 +40,8 @@ impl Shape {
             has_repeats: structure.has_repeats(),
             entered: nodes as u64,
             leaves: leaves as u64,
+            left_out: 0,
+            room: 0,
         }
     }
 
@@ -53,7 +60,23 @@ impl Shape {
             has_repeats: lists.has_repeats(),
             entered: most as u64,
             leaves: leaves as u64,
+            left_out: 0,
+            room: 0,
         }
+    }
+
+    /// Refuses a walk that reads what was left out for want of room.
+    pub(super) fn check_places(&self, walk: Walk) -> Result<(), GpuError> {
+        if self.left_out == 0 || !matches!(walk, Walk::KdBacktrack | Walk::Ropes) {
+            return Ok(());
+        }
+        Err(GpuError::TooLarge {
+            what: "nodes, places and ropes of the kd-tree",
+            needed: self.left_out,
+            limit: self.room,
+            limit_name: "max_storage_buffer_binding_size and max_buffer_size",
+            way_out: "walk by restart-trail, short-stack or stack, which need the nodes alone, or trace on the CPU",
+        })
     }
 
     /// Steps that no ray uses up, a step being a node, a leaf or an element that is entered.
@@ -65,14 +88,22 @@ impl Shape {
     /// binary tree the trail cannot tell, and leads through that node's sibling again, at worst once for each node above a
     /// leaf.
     ///
+    /// The walks that go from leaf to leaf of a kd-tree finish a leaf on each way down, or up and down again; at any time they
+    /// may hand a ray over to the trail.
+    ///
     /// Where that is more than a word holds, a ray would take minutes to count so far, and no driver waits so long.
     pub(super) fn step_budget(&self, walk: Walk) -> u32 {
         let path = u64::from(self.depth) + 1;
-        let steps = match (walk, self.tree) {
-            (Walk::RestartTrail(_), Tree::Binary) if self.has_repeats => {
-                self.leaves.saturating_mul(path).saturating_mul(path)
+        let ways_down = self.leaves.saturating_mul(path);
+        let by_trail = match self.tree {
+            Tree::Binary | Tree::Kd if self.has_repeats => ways_down.saturating_mul(path),
+            _ => ways_down,
+        };
+        let steps = match walk {
+            Walk::RestartTrail(_) => by_trail,
+            Walk::KdRestart | Walk::KdBacktrack | Walk::ShortStack { .. } | Walk::Ropes => {
+                by_trail.saturating_add(ways_down.saturating_mul(2))
             }
-            (Walk::RestartTrail(_), _) => self.leaves.saturating_mul(path),
             _ => self.entered,
         };
         u32::try_from(steps).unwrap_or(u32::MAX)
@@ -94,6 +125,8 @@ mod tests {
             has_repeats: false,
             entered: 9,
             leaves: 5,
+            left_out: 0,
+            room: 0,
         };
         let trail = "restart-trail".parse().unwrap();
         assert_eq!([shape.step_budget(Walk::default()), shape.step_budget(trail)], [9, 20]);
@@ -101,6 +134,9 @@ mod tests {
         assert_eq!([repeats.step_budget(Walk::default()), repeats.step_budget(trail)], [9, 80]);
         let wide = Shape { tree: Tree::Wide(Width::Four), ..repeats };
         assert_eq!(wide.step_budget(trail), 20);
+        let [kd, ropes] = [Shape { tree: Tree::Kd, ..shape }, Shape { tree: Tree::Kd, ..repeats }];
+        assert_eq!([kd.step_budget(trail), kd.step_budget(Walk::KdRestart)], [20, 60]);
+        assert_eq!([ropes.step_budget(trail), ropes.step_budget(Walk::Ropes)], [80, 120]);
         let large = Shape { leaves: 1 << 31, entered: (1 << 32) - 1, depth: 64, ..repeats };
         assert_eq!([large.step_budget(Walk::default()), large.step_budget(trail)], [u32::MAX; 2]);
         let empty = Shape { leaves: 0, entered: 0, node_count: 0, depth: 0, ..shape };

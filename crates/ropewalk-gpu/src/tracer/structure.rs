@@ -70,7 +70,7 @@ impl GpuStructure {
         layout: &wgpu::BindGroupLayout,
         structure: &Structure,
     ) -> Result<Self, GpuError> {
-        let content = Content::of(structure)?;
+        let content = Content::of(structure, room(gpu))?;
         let buffers = Buffers::new(gpu, layout, &content, |_| 0)?;
         fill(gpu, &buffers.nodes, &content.nodes)?;
         fill(gpu, &buffers.triangles, &content.triangles)?;
@@ -115,6 +115,12 @@ impl GpuStructure {
     pub(super) fn lists(&self) -> Option<&Lists> {
         self.inner.lists.as_ref()
     }
+}
+
+/// The most bytes that a storage buffer of the device may have.
+pub(super) fn room(gpu: &Gpu) -> u64 {
+    let limits = gpu.device().limits();
+    limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
 }
 
 /// A storage buffer with room for these bytes, and some to spare.

@@ -15,7 +15,7 @@
 
 use super::changes;
 use super::content::Content;
-use super::structure::Buffers;
+use super::structure::{Buffers, room};
 use super::{GpuStructure, Tracer};
 use crate::GpuError;
 use ropewalk::Structure;
@@ -117,7 +117,7 @@ impl StructureVersions {
 fn place(tracer: &Tracer, next: &Arc<Structure>, idle: Option<Set>) -> Result<(Set, UploadReport), GpuError> {
     let begin = Instant::now();
     let gpu = tracer.gpu();
-    let content = Content::of(next)?;
+    let content = Content::of(next, room(gpu))?;
     let (buffers, old) = match idle {
         Some(Set { buffers, source, version: _ }) if buffers.hold(&content) => (buffers, Some(source)),
         smaller => {
@@ -126,7 +126,7 @@ fn place(tracer: &Tracer, next: &Arc<Structure>, idle: Option<Set>) -> Result<(S
             (Buffers::new(gpu, tracer.structure_layout(), &content, spare)?, None)
         }
     };
-    let old_content = old.as_deref().map(Content::of).transpose()?;
+    let old_content = old.as_deref().map(|old| Content::of(old, room(gpu))).transpose()?;
     let mut bytes_written = 0;
     for (buffer, new, old) in [
         (&buffers.nodes, &content.nodes, old_content.as_ref().map(|old| &old.nodes)),

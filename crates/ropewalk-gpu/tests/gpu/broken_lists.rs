@@ -21,9 +21,9 @@ const LIST: &[Damage] = &[
     ),
     ("shared/list", "bitcast<u32>(element.escape) <= 1u", "element.escape == 1"),
     ("shared/list", "bitcast<u32>(element.escape) <= 1u", "element.escape <= 1"),
-    ("shared/list", "list_words[2] + 3u * payload.w", "list_words[2]"),
+    ("shared/list", "list_word(2) + 3u * payload.w", "list_word(2)"),
     ("shared/list", "load_vertex(payload.y)", "load_vertex(payload.z)"),
-    ("shared/list", "list_shared[identity + 2u]", "list_shared[identity + 1u]"),
+    ("shared/list", "shared_word(identity + 2u)", "shared_word(identity + 1u)"),
 ];
 /// The choice of a list, which changes what is visited, and where something is culled what is hit.
 const LIST_OF_TWO: &[Damage] = &[("shared/list", "return negative.x;", "return 0u;")];

@@ -2,8 +2,9 @@
 //! crate.
 
 use crate::machine::on_every_adapter;
+use ropewalk::catalogue::Row;
 use ropewalk::traversal_list::Starts;
-use ropewalk::{DeviceKind, Query, Ray, Structure, TraceOptions, Traced, Walk, catalogue};
+use ropewalk::{DeviceKind, Query, Ray, Structure, StructureKind, TraceOptions, Traced, Walk, catalogue};
 use ropewalk_gpu::{GpuError, GpuStructure, Tracer};
 use ropewalk_testkit::conformance::{Accuracy, Device, RowResult, Suite};
 
@@ -44,15 +45,44 @@ impl Device for Judged {
     }
 }
 
-#[test]
-fn every_row_of_the_catalogue_conforms() {
-    let rows: Vec<_> = catalogue::rows().into_iter().filter(|row| row.device == DeviceKind::Gpu).collect();
+/// Judges all rows of some kinds of structures; apart from each other, so that they run side by side.
+fn conform(kinds: &[StructureKind]) {
+    let is_meant = |row: &Row| row.device == DeviceKind::Gpu && kinds.contains(&row.structure.kind());
+    let rows: Vec<Row> = catalogue::rows().into_iter().filter(is_meant).collect();
+    assert!(!rows.is_empty());
     on_every_adapter(|machine| {
         let accuracy = if machine.is_exact() { Accuracy::Exact } else { Accuracy::Relaxed };
         let mut judged = Judged { tracer: machine.trusted.clone(), structure: None };
         let report = Suite::new(accuracy).run(&rows, &mut judged, &mut |_, _| {});
         assert!(report.is_passed(), "{report}");
         let has_heads = |row: &&RowResult| row.from_heads > 0;
-        assert!(report.rows.iter().filter(has_heads).count() >= 8, "heads were not asked for: {report}");
+        let wanted = if kinds.contains(&StructureKind::List) { 8 } else { 0 };
+        assert!(report.rows.iter().filter(has_heads).count() >= wanted, "heads were not asked for: {report}");
     });
+}
+
+const TREES: &[StructureKind] = &[StructureKind::Bvh, StructureKind::WideBvh];
+const LISTS_AND_CELLS: &[StructureKind] = &[StructureKind::List, StructureKind::KdTree];
+const LEVELS: &[StructureKind] = &[StructureKind::TwoLevel];
+
+#[test]
+fn every_row_of_trees_conforms() {
+    conform(TREES);
+}
+
+#[test]
+fn every_row_of_lists_and_cells_conforms() {
+    conform(LISTS_AND_CELLS);
+}
+
+#[test]
+fn every_row_of_levels_conforms() {
+    conform(LEVELS);
+}
+
+#[test]
+fn no_kind_of_structure_is_left_out() {
+    for kind in StructureKind::EVERY {
+        assert_eq!([TREES, LISTS_AND_CELLS, LEVELS].iter().filter(|some| some.contains(&kind)).count(), 1);
+    }
 }

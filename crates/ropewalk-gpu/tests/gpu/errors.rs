@@ -6,8 +6,8 @@ use ropewalk::bvh::StackOrder;
 use ropewalk::catalogue::is_offered;
 use ropewalk::wide_bvh::Width;
 use ropewalk::{
-    BuildOptions, CatalogueError, DeviceKind, ListOptions, Mesh, Query, Ray, Scene, Status, Structure,
-    TraceError, TraceOptions, Walk, WideOptions, glam::Vec3,
+    BuildOptions, CatalogueError, DeviceKind, KdOptions, ListOptions, Mesh, Query, Ray, Scene, Status,
+    Structure, TraceError, TraceOptions, Walk, WideOptions, glam::Vec3,
 };
 use ropewalk_gpu::{Device, DeviceChoice, Gpu, GpuError, Tracer, adapters, wgpu};
 
@@ -21,6 +21,10 @@ fn wide_structure() -> Structure {
 
 fn list_structure() -> Structure {
     Structure::List(Scene::from_mesh(scenes::sphere(20)).build_list(&ListOptions::default()).unwrap())
+}
+
+fn kd_structure() -> Structure {
+    Structure::KdTree(Scene::from_mesh(scenes::sphere(20)).build_kd(&KdOptions::default()).unwrap())
 }
 
 /// What the catalogue has for a structure on a device like these.
@@ -119,6 +123,34 @@ fn lists_over_a_limit_are_refused_with_the_numbers() {
         let tracer = Tracer::new(gpu.unwrap());
         let uploaded = tracer.upload(&structure).unwrap();
         assert_eq!(uploaded.bytes(), element_bytes + vertex_bytes);
+    });
+}
+
+/// Of a kd-tree the nodes alone are enough for most walks; those that go from leaf to leaf say what they miss.
+#[test]
+fn a_kd_tree_whose_places_do_not_fit_is_walked_without_them() {
+    let structure = kd_structure();
+    let Structure::KdTree(tree) = &structure else { return };
+    let triangle_bytes = size_of_val(tree.triangles()) + 4 * tree.references().len();
+    let all = 40 + 40 * tree.nodes().len() + 24 * tree.report().leaves;
+    assert!(triangle_bytes.next_multiple_of(16) < all - 4);
+    on_every_adapter(|_| {
+        let limit = all as u64 - 4;
+        let Some(gpu) = small_device(|limits| limits.max_storage_buffer_binding_size = limit) else { return };
+        let tracer = Tracer::new(gpu.unwrap());
+        let uploaded = tracer.upload(&structure).unwrap();
+        for (walk, query) in offered(&structure) {
+            let traced = tracer.trace(&uploaded, walk, query, &rays(), TraceOptions::default());
+            if !matches!(walk, Walk::KdBacktrack | Walk::Ropes) {
+                let cpu = structure.trace(walk, query, &rays(), TraceOptions::default()).unwrap();
+                assert_eq!(traced.unwrap().traced.answer.rays_that_hit(), cpu.answer.rays_that_hit());
+                continue;
+            }
+            let error = traced.unwrap_err();
+            let GpuError::TooLarge { needed, limit: told, .. } = &error else { panic!("{error:?}") };
+            assert_eq!((*needed, *told), (all as u64, limit));
+            assert!(error.to_string().contains("short-stack"), "{error}");
+        }
     });
 }
 
@@ -227,7 +259,7 @@ fn a_step_budget_that_is_used_up_is_reported() {
     let rays = rays();
     on_every_adapter(|machine| {
         let tracer = machine.tracer(|options| options.step_budget = Some(2));
-        for structure in [structure(), wide_structure(), list_structure()] {
+        for structure in [structure(), wide_structure(), list_structure(), kd_structure()] {
             let uploaded = tracer.upload(&structure).unwrap();
             for (walk, query) in offered(&structure) {
                 let traced = tracer
@@ -251,7 +283,7 @@ fn a_stack_that_is_full_is_reported() {
     let (structure, rays) = (structure(), rays());
     on_every_adapter(|machine| {
         let tracer = machine.tracer(|options| options.stack_entries = Some(1));
-        for structure in [structure.clone(), wide_structure()] {
+        for structure in [structure.clone(), wide_structure(), kd_structure()] {
             let uploaded = tracer.upload(&structure).unwrap();
             let stacks = offered(&structure).into_iter().filter(|(walk, _)| matches!(walk, Walk::Stack(_)));
             for (walk, query) in stacks.filter(|(_, query)| *query != Query::Any) {

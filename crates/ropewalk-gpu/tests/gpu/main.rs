@@ -5,12 +5,15 @@
 
 mod all_hits;
 mod broken;
+mod broken_kd;
 mod broken_lists;
 mod compare;
 mod conformance;
 mod damage;
 mod errors;
 mod heads;
+mod kd_trees;
+mod levels;
 mod lists;
 mod machine;
 mod points;

@@ -1,5 +1,6 @@
 //! Rays that are hard on a given structure.
 
+use crate::kd_trees::in_planes;
 use ropewalk::glam::Vec3;
 use ropewalk::{Aabb, Hit, Query, Ray, Structure, TraceOptions};
 
@@ -103,6 +104,10 @@ pub(crate) fn against(structure: &Structure) -> Vec<Ray> {
         slight[index as usize % 3] *= 10.0_f32.powi(-(index % 45));
         rays.push(Ray::new(origin, slight));
         rays.push(Ray::new(vertex(&mut random) - slight * size, slight));
+    }
+
+    if let Structure::KdTree(tree) = structure {
+        rays.extend(in_planes(tree));
     }
 
     // Windows that begin and end exactly at a hit, a float before and a float behind it, and empty ones.

@@ -159,7 +159,7 @@ pub(crate) fn instances() -> Scene {
 }
 
 /// Triangles that double in size and distance: the tree is a chain.
-fn chain() -> Mesh {
+pub(crate) fn chain() -> Mesh {
     let mut mesh = Mesh::default();
     for level in 0..34 {
         let size = 2.0_f32.powi(level - 14);

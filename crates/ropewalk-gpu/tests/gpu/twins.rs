@@ -4,7 +4,7 @@ use crate::compare::compare;
 use crate::machine::on_every_adapter;
 use crate::scenes::Case;
 use crate::trails::cpu_twin;
-use crate::{lists, rays, scenes, trees};
+use crate::{kd_trees, lists, rays, scenes, trees};
 use ropewalk::bvh::StackOrder;
 use ropewalk::catalogue::is_offered;
 use ropewalk::traversal_list::Bounds;
@@ -113,6 +113,40 @@ fn lists_of_two_layers_agree() {
     for bounds in [Bounds::Sphere, Bounds::Aabb] {
         agree(Walk::List, &lists::layered(bounds));
     }
+}
+
+#[test]
+fn stacks_agree_on_kd_trees() {
+    agree(Walk::default(), &kd_trees::every());
+}
+
+#[test]
+fn restart_trails_agree_on_kd_trees() {
+    for entries in [0, 1, 4, 16] {
+        agree(format!("restart-trail:short-stack={entries}").parse().unwrap(), &kd_trees::every());
+    }
+}
+
+#[test]
+fn kd_restart_agrees() {
+    agree(Walk::KdRestart, &kd_trees::every());
+}
+
+#[test]
+fn kd_backtrack_agrees() {
+    agree(Walk::KdBacktrack, &kd_trees::every());
+}
+
+#[test]
+fn short_stacks_agree() {
+    for entries in [1, 3, 16] {
+        agree(Walk::ShortStack { entries }, &kd_trees::every());
+    }
+}
+
+#[test]
+fn ropes_agree() {
+    agree(Walk::Ropes, &kd_trees::every());
 }
 
 /// The scenes and rays above are worth something only if they do what their names say.

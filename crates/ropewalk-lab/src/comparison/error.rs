@@ -1,6 +1,6 @@
 //! Why there is no comparison.
 
-use ropewalk::BuildError;
+use ropewalk::{BuildError, ChangeError};
 use ropewalk_gpu::GpuError;
 use thiserror::Error;
 
@@ -27,6 +27,15 @@ pub enum ComparisonError {
         asked: String,
         /// The first difference.
         what: String,
+    },
+    /// A scene was not changed.
+    #[error(transparent)]
+    Change(#[from] ChangeError),
+    /// A thread was not started.
+    #[error("a thread cannot be started: {reason}")]
+    Threads {
+        /// What the system said.
+        reason: String,
     },
     /// The scene has nothing to find.
     #[error("the scene has no triangle that could be found: there is nothing to compare")]

@@ -32,7 +32,7 @@ const INSIDE_FOV_DEGREES: f32 = 62.0;
 ///
 /// # Errors
 /// When the file has no such camera, or numbers make none.
-pub(crate) fn resolve(
+pub fn resolve(
     choice: &CameraChoice,
     stage: &Stage,
     tracer: &dyn Trace,

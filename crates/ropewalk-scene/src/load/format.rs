@@ -17,6 +17,8 @@ pub(crate) enum Format {
     Stl,
     /// glTF 2.0, as text or binary.
     Gltf,
+    /// The Animated File Format of BART, or the Neutral File Format that it extends.
+    Aff,
 }
 
 impl Format {
@@ -35,17 +37,14 @@ impl Format {
             "ply" => Ok(Self::Ply),
             "stl" => Ok(Self::Stl),
             "gltf" | "glb" => Ok(Self::Gltf),
-            "nff" | "aff" => Err(unknown(format!(
-                "{} scenes are not read; convert it to one of {KNOWN}",
-                ending.to_ascii_uppercase()
-            ))),
+            "aff" | "nff" => Ok(Self::Aff),
             _ if is_obj_text(&source.bytes) => Ok(Self::Obj),
             _ => Err(unknown(format!("neither the content nor the name is that of {KNOWN}, gzipped or not"))),
         }
     }
 }
 
-const KNOWN: &str = "OBJ, PLY, STL, glTF or GLB";
+const KNOWN: &str = "OBJ, PLY, STL, glTF, GLB, AFF or NFF";
 
 /// The ending of the name in lower case, without a `.gz` behind it.
 fn ending(path: &Path) -> String {
@@ -140,17 +139,15 @@ mod tests {
         assert_eq!(format("x.OBJ.gz", "nothing"), Ok(Format::Obj));
         assert_eq!(format("x.stl", "\0\0"), Ok(Format::Stl));
         assert_eq!(format("x.ply", "plywood"), Ok(Format::Ply));
+        assert_eq!(format("x.nff", "v 1 2 3\n"), Ok(Format::Aff));
+        assert_eq!(format("x.aff.gz", "v\n"), Ok(Format::Aff));
     }
 
     #[test]
     fn what_is_not_known_says_what_is() {
-        for (name, content, word) in [
-            ("x.nff", "v 1 2 3\n", "NFF"),
-            ("x.aff", "v\n", "AFF"),
-            ("x.txt", "v 1 2\n", "OBJ, PLY"),
-            ("x.png", "\u{89}PNG", "OBJ, PLY"),
-            ("x.obj", "", "empty"),
-        ] {
+        for (name, content, word) in
+            [("x.txt", "v 1 2\n", "OBJ, PLY"), ("x.png", "\u{89}PNG", "OBJ, PLY"), ("x.obj", "", "empty")]
+        {
             let error = format(name, content).unwrap_err();
             assert!(error.contains(name) && error.contains(word), "{error}");
         }

@@ -6,6 +6,7 @@
 //! with two equal vertices or vertices that are not numbers, is passed on, and counted when a structure is built. A file that
 //! breaks its format is an error that names the place.
 
+mod aff;
 mod format;
 mod gltf;
 mod obj;
@@ -40,6 +41,7 @@ pub fn load_bytes(path: &Path, bytes: Vec<u8>) -> Result<Model, LoadError> {
 
 fn load_source(source: &Source) -> Result<Model, LoadError> {
     match Format::of(source)? {
+        Format::Aff => aff::load(source),
         Format::Gltf => gltf::load(source),
         Format::Obj => obj::load(source),
         Format::Ply => ply::load(source),

@@ -6,10 +6,11 @@ use crate::cases::{Case, Tree};
 use crate::compare::{Mismatch, Summary, across_queries, against_oracle, fronts, nearly, same_bits};
 use crate::oracle::{Expectation, Oracle};
 use crate::rays::RayClass;
+use glam::DMat3;
 use ropewalk::catalogue::{Row, StackMemory, TrailOptions, is_offered};
 use ropewalk::{
-    Answer, BuildOptions, BuildReport, Builder, Counters, DeviceKind, Query, Ray, Structure, StructureSpec,
-    TraceOptions, Traced, Walk,
+    Answer, BuildOptions, BuildReport, Builder, Counters, DeviceKind, Instance, Query, Ray, Scene, Structure,
+    StructureSpec, TraceOptions, Traced, Transform, Walk,
 };
 use std::cell::OnceCell;
 
@@ -20,9 +21,48 @@ pub(super) struct Run {
     pub(super) counted: Traced,
 }
 
-/// The first answer to a query, of one side or of two: what all later rows of as many sides are compared with.
+/// Structures whose answers are the same to the bit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Kin {
+    /// Whether triangles have one side.
+    one_sided: bool,
+    /// Of two levels, whether objects are in frames of their own. A ray that is taken to an object's space is rounded, and so is
+    /// a triangle that is turned: hits are the same only among those who do the same.
+    two_level: Option<bool>,
+}
+
+impl Kin {
+    fn of(structure: StructureSpec, case: &Case) -> Self {
+        let two_level = match structure {
+            // Where nothing is moved and nothing turned, nothing is rounded.
+            StructureSpec::TwoLevel(options) if options.oriented || !is_unmoved(case) => {
+                Some(options.oriented)
+            }
+            _ => None,
+        };
+        Self { one_sided: structure.is_one_sided(), two_level }
+    }
+}
+
+/// How many times longer the scene's transforms make some vectors than others, at most.
+fn stretch(scene: &Scene) -> f64 {
+    let of_instance = |instance: &Instance| {
+        let matrix = instance.transform.to_world().matrix3.as_dmat3();
+        let norm = |matrix: DMat3| matrix.to_cols_array().map(|it| it * it).iter().sum::<f64>().sqrt();
+        norm(matrix) * norm(matrix.inverse())
+    };
+    scene.instances.iter().map(of_instance).fold(1.0, f64::max)
+}
+
+/// Whether all instances are where their objects are.
+fn is_unmoved(case: &Case) -> bool {
+    case.scene.instances.iter().all(|instance| instance.transform == Transform::IDENTITY)
+}
+
+/// The first answer to a query, of one kin: what all later rows of its kin are compared with.
 struct First {
     row: Row,
+    kin: Kin,
     traced: Traced,
     /// What the oracle saw, where it had nothing to object.
     truth: Option<Summary>,
@@ -34,8 +74,9 @@ pub(super) struct Bench<'a> {
     pub(super) accuracy: Accuracy,
     pub(super) rows: &'a [Row],
     pub(super) report: Report,
-    /// The oracle of triangles of one side, where a row asks for it.
-    one_sided: OnceCell<(Oracle, Expectation)>,
+    /// The oracles of those whose triangles have one side, of those who take rays to objects, and of those who do both; made
+    /// where a row asks for them.
+    truths: [OnceCell<(Oracle, Expectation)>; 3],
     first: Vec<First>,
     /// The counters of walks that do not cull, which the order of children must not change.
     unculled: Vec<(usize, Tree, Vec<Counters>)>,
@@ -44,8 +85,8 @@ pub(super) struct Bench<'a> {
 impl<'a> Bench<'a> {
     pub(super) fn new(judged: &'a Judged, accuracy: Accuracy, rows: &'a [Row]) -> Self {
         let report = Report::new(rows);
-        let one_sided = OnceCell::new();
-        Self { judged, accuracy, rows, report, one_sided, first: Vec::new(), unculled: Vec::new() }
+        let truths = Default::default();
+        Self { judged, accuracy, rows, report, truths, first: Vec::new(), unculled: Vec::new() }
     }
 
     pub(super) fn fail(&mut self, row: usize, structure: Tree, what: impl Into<String>) {
@@ -53,13 +94,28 @@ impl<'a> Bench<'a> {
         self.report.rows[row].failures.push(failure);
     }
 
-    /// The oracle of triangles of one side or of two, and what it says of the case's rays.
-    pub(super) fn truth(&self, one_sided: bool) -> (&Oracle, &Expectation) {
-        if !one_sided {
-            return (&self.judged.oracle, &self.judged.expectation);
-        }
-        let made = || (self.judged.oracle.clone().one_sided(), self.judged.expectation.one_sided());
-        let (oracle, expectation) = self.one_sided.get_or_init(made);
+    /// The oracle of a structure, and what it says of the case's rays.
+    pub(super) fn truth(&self, structure: StructureSpec) -> (&Oracle, &Expectation) {
+        let kin = Kin::of(structure, &self.judged.case);
+        let place = match (kin.one_sided, kin.two_level.is_some()) {
+            (false, false) => return (&self.judged.oracle, &self.judged.expectation),
+            (true, false) => 0,
+            (false, true) => 1,
+            (true, true) => 2,
+        };
+        let made = || {
+            let Judged { oracle, expectation, case } = self.judged;
+            let (mut oracle, mut expectation) = (oracle.clone(), expectation.clone());
+            if kin.two_level.is_some() {
+                oracle = oracle.taking_rays(stretch(&case.scene));
+                expectation = oracle.expect(case.rays.clone());
+            }
+            if kin.one_sided {
+                (oracle, expectation) = (oracle.one_sided(), expectation.one_sided());
+            }
+            (oracle, expectation)
+        };
+        let (oracle, expectation) = self.truths[place].get_or_init(made);
         (oracle, expectation)
     }
 
@@ -73,7 +129,7 @@ impl<'a> Bench<'a> {
     ) -> Result<Summary, Mismatch> {
         match self.accuracy {
             Accuracy::Exact => same_bits(rays, reference, given, counters),
-            Accuracy::Relaxed => nearly(self.truth(structure.is_one_sided()).0, rays, reference, given),
+            Accuracy::Relaxed => nearly(self.truth(structure).0, rays, reference, given),
         }
     }
 
@@ -133,13 +189,10 @@ impl<'a> Bench<'a> {
                 None
             }
         };
-        let first_of = |one_sided: bool| {
-            let same = |first: &&First| {
-                first.row.query == row.query && first.row.structure.is_one_sided() == one_sided
-            };
-            self.first.iter().find(same)
-        };
-        let first = first_of(one_sided);
+        let kin = Kin::of(row.structure, &self.judged.case);
+        let first_of =
+            |kin: Kin| self.first.iter().find(|first| first.row.query == row.query && first.kin == kin);
+        let first = first_of(kin);
         let agreed = first.map(|first| {
             let what =
                 format!("against {} on {} ({})", first.row.walk, first.row.structure, first.row.device);
@@ -150,10 +203,12 @@ impl<'a> Bench<'a> {
             (Some(first), Some(Some(_)), Accuracy::Exact) => first.truth,
             _ => None,
         };
-        let truth = known
-            .or_else(|| note("against the oracle", against_oracle(self.truth(one_sided).1, &run.counted)));
+        let truth = known.or_else(|| {
+            note("against the oracle", against_oracle(self.truth(row.structure).1, &run.counted))
+        });
         // The others of one side have the words of the first.
-        if let (true, Accuracy::Exact, None, Some(both)) = (one_sided, self.accuracy, first, first_of(false))
+        if let (true, Accuracy::Exact, None, Some(both)) =
+            (one_sided, self.accuracy, first, first_of(Kin { one_sided: false, ..kin }))
         {
             let what = format!("against two sides of {}", both.row.structure);
             note(&what, fronts(&self.judged.expectation, &both.traced, &run.counted));
@@ -180,7 +235,7 @@ impl<'a> Bench<'a> {
         result.clear += truth.map_or(0, |summary| summary.clear);
         result.differing += agreed.flatten().map_or(0, |summary| summary.differing);
         if is_first {
-            self.first.push(First { row, traced: run.counted.clone(), truth });
+            self.first.push(First { row, kin, traced: run.counted.clone(), truth });
         }
         wrong.into_iter().for_each(|what| self.fail(run.row, tree, what));
     }
@@ -229,9 +284,9 @@ pub(super) fn structure(structure: &Structure, spec: StructureSpec, case: &Case)
             case.skipped
         ));
     }
-    // Lists have each triangle once, and the references to it in their elements.
-    let is_list = matches!(structure, Structure::List(_));
-    let held = if is_list { report.triangles } else { report.references };
+    // These have each triangle once, and references to it in their elements, leaves or objects.
+    let is_once = matches!(structure, Structure::List(_) | Structure::KdTree(_) | Structure::TwoLevel(_));
+    let held = if is_once { report.triangles } else { report.references };
     if held != structure.triangles().len() {
         return Err("the report counts references that are not there".into());
     }
@@ -241,7 +296,10 @@ pub(super) fn structure(structure: &Structure, spec: StructureSpec, case: &Case)
     };
     // A list from no binary tree may be as deep as its hierarchy likes, and repeats nothing.
     let options = spec.build_options().copied().or_else(|| of_list(&spec));
-    references(report, &options.unwrap_or_default())?;
+    // Cells share triangles as their splits will have it.
+    if !matches!(structure, Structure::KdTree(_) | Structure::TwoLevel(_)) {
+        references(report, &options.unwrap_or_default())?;
+    }
     // That a binary tree has the depth that was asked for; one made of it is no deeper.
     if let Some(options) = options.filter(|options| report.depth > options.max_depth) {
         return Err(format!("a leaf lies at depth {}, below {}", report.depth, options.max_depth));
@@ -259,6 +317,15 @@ pub(super) fn structure(structure: &Structure, spec: StructureSpec, case: &Case)
                 return Err("the lists were made otherwise than was asked for".into());
             }
             list.validate().map_err(|error| error.to_string())
+        }
+        (Structure::KdTree(tree), StructureSpec::KdTree(_)) => {
+            tree.validate().map_err(|error| error.to_string())
+        }
+        (Structure::TwoLevel(scene), StructureSpec::TwoLevel(options)) => {
+            if *scene.options() != options {
+                return Err("the levels were made otherwise than was asked for".into());
+            }
+            scene.validate().map_err(|error| error.to_string())
         }
         _ => Err("another kind of structure was built than was asked for".into()),
     }

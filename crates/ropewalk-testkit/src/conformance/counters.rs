@@ -9,7 +9,10 @@
 
 use ropewalk::catalogue::Row;
 use ropewalk::traversal_list::{Element, list_of};
-use ropewalk::{Answer, Counters, PreparedRay, Query, Ray, Structure, Traced, TraversalList, Walk};
+use ropewalk::{
+    Answer, Counters, PreparedRay, Query, Ray, Structure, StructureKind, Traced, TraversalList, TwoLevel,
+    Walk,
+};
 
 /// Checks the counters of one row by themselves.
 ///
@@ -47,6 +50,22 @@ struct Holding {
     has_root: bool,
 }
 
+impl Holding {
+    /// Of both levels: each instance has what its object has, a list all of its elements.
+    fn of_levels(scene: &TwoLevel) -> Self {
+        let top = scene.placed().len().saturating_sub(1);
+        let mut sum = Self { inner_nodes: top, has_root: top > 0, ..Self::default() };
+        for placed in scene.placed() {
+            let Some(Some(object)) = scene.objects().get(placed.object as usize) else { continue };
+            let report = object.report();
+            sum.inner_nodes += report.nodes;
+            sum.leaves += report.leaves;
+            sum.triangles += report.references;
+        }
+        sum
+    }
+}
+
 /// What the rays may come by, of lists that of each list: of all layers together.
 struct Holdings<'a> {
     list: Option<&'a TraversalList>,
@@ -55,12 +74,16 @@ struct Holdings<'a> {
 
 impl<'a> Holdings<'a> {
     fn new(structure: &'a Structure) -> Self {
-        let Structure::List(list) = structure else {
-            let report = structure.report();
-            let inner_nodes = report.nodes - report.leaves;
-            let (leaves, triangles) = (report.leaves, report.references);
-            let whole = Holding { inner_nodes, leaves, triangles, has_root: inner_nodes > 0 };
-            return Self { list: None, each: vec![whole] };
+        let list = match structure {
+            Structure::List(list) => list,
+            Structure::TwoLevel(scene) => return Self { list: None, each: vec![Holding::of_levels(scene)] },
+            _ => {
+                let report = structure.report();
+                let inner_nodes = report.nodes - report.leaves;
+                let (leaves, triangles) = (report.leaves, report.references);
+                let whole = Holding { inner_nodes, leaves, triangles, has_root: inner_nodes > 0 };
+                return Self { list: None, each: vec![whole] };
+            }
         };
         let of_list = |index: usize| {
             let mut holding = Holding::default();
@@ -96,27 +119,46 @@ fn check_ray(
     let report = structure.report();
     let Holding { inner_nodes, leaves, .. } = *holding;
     let restarts = counted.restarts as usize;
-    // Brute force goes through lists by the numbers of triangles, of which each has one.
-    let is_list = matches!(structure, Structure::List(_));
-    let by_number = is_list && row.walk == Walk::BruteForce;
+    let kind = structure.kind();
+    // Brute force goes through lists and kd-trees by the numbers of triangles, of which each has one.
+    let is_list = kind == StructureKind::List;
+    let by_number =
+        matches!(kind, StructureKind::List | StructureKind::KdTree) && row.walk == Walk::BruteForce;
+    // Where the order of cells is undecided by t, these begin again with a walk that decides it.
+    let may_begin_again =
+        matches!(row.walk, Walk::KdRestart | Walk::KdBacktrack | Walk::ShortStack { .. } | Walk::Ropes);
+    let times = if may_begin_again { 2 } else { 1 };
     let triangles = if by_number { report.triangles } else { holding.triangles };
-    if counted.primitive_tests as usize > triangles {
+    if counted.primitive_tests as usize > triangles * times {
         return Err("more triangles were tested than there are");
     }
-    if counted.leaf_visits as usize > leaves {
+    if counted.leaf_visits as usize > leaves * times {
         return Err("more leaves were entered than there are");
     }
-    if counted.inner_visits as usize > inner_nodes.saturating_mul(restarts + 1) {
+    // These come by a node again on their way to each leaf.
+    let ways = if may_begin_again { counted.leaf_visits as usize } else { 0 };
+    if counted.inner_visits as usize > inner_nodes.saturating_mul((restarts + ways + 1) * times) {
         return Err("more inner nodes were visited than there are");
     }
     if counted.stack_depth > deepest_stack(structure, row.walk) {
         return Err("the stack was deeper than the tree, or than it was made");
     }
-    if counted.leaf_visits > counted.primitive_tests || (hit && counted.primitive_tests == 0) {
+    // Cells may be empty.
+    let has_empty_leaves = matches!(kind, StructureKind::KdTree | StructureKind::TwoLevel);
+    let is_leaf_without_test = counted.leaf_visits > counted.primitive_tests && !has_empty_leaves;
+    if is_leaf_without_test || (hit && counted.primitive_tests == 0) {
         return Err("a leaf was entered or a hit found without a test");
     }
-    if counted.objects_entered > 0 {
-        return Err("a walk over one structure enters no object");
+    match structure {
+        Structure::TwoLevel(scene) if counted.objects_entered as usize > scene.placed().len() => {
+            return Err("more objects were entered than there are");
+        }
+        Structure::TwoLevel(_) if hit && counted.objects_entered == 0 => {
+            return Err("a hit was found in no object");
+        }
+        Structure::TwoLevel(_) => {}
+        _ if counted.objects_entered > 0 => return Err("a walk over one structure enters no object"),
+        _ => {}
     }
     match row.walk {
         // Every child but the root, less the first of each node.
@@ -124,17 +166,21 @@ fn check_ray(
             return Err("there are more restarts than branches");
         }
         Walk::RestartTrail(_) => {}
+        _ if may_begin_again && restarts <= leaves * times => {}
+        _ if may_begin_again => return Err("there are more restarts than leaves"),
         _ if restarts > 0 => return Err("a walk with a full stack restarts nowhere"),
         _ => {}
     }
     if row.walk == Walk::BruteForce {
-        let everything =
-            counted.primitive_tests as usize == triangles && counted.leaf_visits as usize == leaves;
-        let may_stop = row.query == Query::Any && hit;
+        // Of two levels the instances decide in whose boxes the ray is.
+        let all_leaves = counted.leaf_visits as usize == if by_number && !is_list { 0 } else { leaves };
+        let everything = counted.primitive_tests as usize == triangles && all_leaves;
+        let may_stop = row.query == Query::Any && hit || kind == StructureKind::TwoLevel;
         if counted.inner_visits > 0 || !(everything || may_stop) {
             return Err("brute force tests every triangle once and no box");
         }
-    } else if counted.inner_visits == 0 && holding.has_root {
+        // The box of a kd-tree is asked for first.
+    } else if counted.inner_visits == 0 && holding.has_root && kind != StructureKind::KdTree {
         return Err("a walk begins at the root's children, if it has any");
     }
     Ok(())
@@ -145,10 +191,16 @@ fn deepest_stack(structure: &Structure, walk: Walk) -> u32 {
     let of_tree = match structure {
         Structure::WideBvh(bvh) => bvh.stack_entries(),
         Structure::List(_) => 0,
+        Structure::TwoLevel(scene) => {
+            let bottoms = scene.objects().iter().flatten().map(|object| object.bottom().stack_entries());
+            bottoms.fold(scene.top().depth(), u32::max)
+        }
         _ => structure.report().depth,
     };
     match walk {
         Walk::RestartTrail(options) => of_tree.min(options.short_stack),
+        Walk::ShortStack { entries } => of_tree.min(entries),
+        Walk::KdRestart | Walk::KdBacktrack | Walk::Ropes => 0,
         _ => of_tree,
     }
 }

@@ -5,7 +5,7 @@
 //! first hit culling changes nothing, so any hit is the same with it. Summed over a class of rays sorting does no more
 //! than culling alone, and ordering no more than sorting, up to the few rays that an order misleads. Skip pointers lead to
 //! what the unordered stack visits, in another order. A wide tree is walked in one order only, and so is a list: the work of
-//! all its hits takes the place of the unordered stack's.
+//! all its hits takes the place of the unordered stack's. Of two levels, one loop does the work of two, one in the other.
 //!
 //! **Restart trails** (ALGORITHMS L2 to L6, C2), against the ordered stack and the same query. They enter the same
 //! leaves and test the same triangles, whatever the short stack; their stack holds what the full one holds, up to its
@@ -41,6 +41,11 @@ pub fn relations(kind: StructureKind, case: &Case, runs: &[(usize, Row, &Traced)
         }
         StructureKind::WideBvh => runs.in_one_order(ORDERED),
         StructureKind::List => runs.in_one_order(Walk::List),
+        StructureKind::KdTree => runs.in_one_order(ORDERED),
+        StructureKind::TwoLevel => {
+            runs.in_one_order(ORDERED);
+            runs.smart_stacks();
+        }
     }
     for query in Query::EVERY {
         runs.trails(query);
@@ -120,6 +125,15 @@ impl<'a> Runs<'a> {
         ] {
             let given = self.of(walk, query);
             self.demand(given, whole, holds, what);
+        }
+    }
+
+    /// One loop with one ring for both levels does what two loops with two stacks do, whatever the ring holds.
+    fn smart_stacks(&mut self) {
+        let smart: Vec<(Walk, Query)> = self.runs.iter().map(|(_, row, _)| (row.walk, row.query)).collect();
+        for (walk, query) in smart.into_iter().filter(|(walk, _)| matches!(walk, Walk::SmartStack { .. })) {
+            let (given, full) = (self.of(walk, query), self.of(ORDERED, query));
+            self.demand(given, full, |a, b| a == b, "one loop does other work than one loop in the other");
         }
     }
 

@@ -87,13 +87,17 @@ impl Candidate {
         let sum_error = errors.iter().sum::<f64>() * (1.0 + 2.0 * frame.unit) + 2.0 * frame.unit * size;
         let depths = [a.z, b.z, c.z];
         let deepest = depths.iter().fold(0.0f64, |deepest, z| deepest.max(z.abs()));
-        let rounding = 12.0 * frame.unit * deepest + FLUSHED;
+        let rounding = 12.0 * frame.unit * deepest + frame.shift * frame.shear.z.abs() + FLUSHED;
         let range = depths.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |m, &z| (m.0.min(z), m.1.max(z)));
-        let range = (range.0 - rounding, range.1 + rounding);
+        let range = match frame.spread > 0.0 {
+            // The axes of the box are others than the ray's.
+            true => (f64::NEG_INFINITY, f64::INFINITY),
+            false => (range.0 - rounding, range.1 + rounding),
+        };
 
         let sure = sum.abs() - sum_error;
         let (mut t, mut t_error, mut barycentric_error) =
-            ((range.0 + range.1) * 0.5, f64::INFINITY, f64::INFINITY);
+            ((depths[0] + depths[1] + depths[2]) / 3.0, f64::INFINITY, f64::INFINITY);
         let mut barycentrics = DVec2::new(1.0 / 3.0, 1.0 / 3.0);
         if sure > 0.0 {
             t = (0..3).map(|i| weights[i] * depths[i]).sum::<f64>() / sum;
@@ -102,8 +106,7 @@ impl Candidate {
             let largest_error = errors[0].max(errors[1]).max(errors[2]);
             barycentric_error = (largest_error + sum_error) / sure + 6.0 * frame.unit;
         }
-        let low = corners[0].min(corners[1]).min(corners[2]);
-        let high = corners[0].max(corners[1]).max(corners[2]);
+        let (low, high) = frame.around(corners);
         let (entry, exit) = frame.span(low, high)?;
         let determinant = size + sum_error;
         let underflows = determinant < UNDERFLOW;
@@ -127,7 +130,8 @@ impl Candidate {
         };
         let aside = (0..3).any(|axis| {
             let origin = frame.origin[axis];
-            frame.is_parallel(axis) && !(low[axis] <= origin && origin <= high[axis])
+            let (low, high) = (low[axis] + frame.shift, high[axis] - frame.shift);
+            frame.is_parallel(axis) && !(low <= origin && origin <= high)
         });
         let (t_min, t_max) = frame.window;
         if t_high < t_min || t_low > t_max || t_min > t_max {
@@ -228,7 +232,8 @@ fn plane_error(frame: &RayFrame, corners: &Corners, t: f64) -> f64 {
     if product * reach.min(1.0) < UNDERFLOW {
         return f64::INFINITY;
     }
-    let summed = 5.0 * frame.unit * (normal.length() + normal_error) * reach;
+    let length = normal.length() + normal_error;
+    let summed = (5.0 * frame.unit * reach + 2.0 * frame.shift) * length;
     let slope = normal.dot(frame.dir).abs()
         - (normal_error + 5.0 * frame.unit * normal.length()) * frame.dir.length();
     if slope <= 0.0 { f64::INFINITY } else { (turned + summed) / slope + 6.0 * frame.unit * t.abs() }
@@ -264,7 +269,10 @@ impl Plane {
             (0..3).fold(0, |best, i| if edges[i].length() > edges[best].length() { i } else { best });
         let (first, second) = (edges[(longest + 1) % 3], edges[(longest + 2) % 3]);
         let product = first.length() * second.length();
-        Self { normal: first.cross(second), normal_error: 14.0 * frame.unit * product, product }
+        // An edge is shifted at both ends.
+        let shifted = 2.0 * frame.shift * (first.length() + second.length() + 2.0 * frame.shift);
+        let normal_error = 14.0 * frame.unit * product + shifted;
+        Self { normal: first.cross(second), normal_error, product }
     }
 }
 

@@ -29,6 +29,10 @@ pub(super) struct RayFrame {
     pub(super) shear: DVec3,
     /// What one f32 operation may err, relative.
     pub(super) unit: f64,
+    /// How far a vertex may lie from its place: 0 where neither it nor the ray was moved.
+    pub(super) shift: f64,
+    /// By how many times the radius of a triangle its box reaches out, where that is the box in another space: 0 where it is not.
+    pub(super) spread: f64,
 }
 
 /// A vertex in that space, with how far the one in f32 may lie from it.
@@ -65,7 +69,27 @@ impl RayFrame {
             shear: DVec3::new(dir[kx] / dir[kz], dir[ky] / dir[kz], 1.0 / dir[kz]),
             // A little more than the unit covers the products of errors.
             unit: HALF_ULP * rounding * 1.001,
+            shift: 0.0,
+            spread: 0.0,
         })
+    }
+
+    /// Lets each vertex lie elsewhere by so many units of a length.
+    pub(super) fn set_shift(&mut self, units: f64, length: f64) {
+        self.shift = HALF_ULP * units * length;
+    }
+
+    /// What is around a triangle's box, in whatever space that is.
+    pub(super) fn around(&self, corners: &Corners) -> (DVec3, DVec3) {
+        let low = corners[0].min(corners[1]).min(corners[2]);
+        let high = corners[0].max(corners[1]).max(corners[2]);
+        if self.spread == 0.0 {
+            return (low, high);
+        }
+        let center = (low + high) * 0.5;
+        let radius = corners.iter().map(|corner| (*corner - center).length()).fold(0.0, f64::max);
+        let reach = DVec3::splat(radius * self.spread);
+        (low.min(center - reach), high.max(center + reach))
     }
 
     /// Whether the ray's line passes the triangle by more than any rounding of f32 could bridge.
@@ -84,7 +108,9 @@ impl RayFrame {
         let w = b.0 * a.1 - b.1 * a.0;
         // An edge function sums two products of coordinates of at most `size`, each with an error of at most
         // 4 units of it: 2 * (2 * 4) + 2 * 2 = 20 units of size squared; 24 leaves room for products of errors.
-        let error = self.unit * 24.0 * size * size + self.flushed_product(size);
+        // Shifted vertices are shifted in both products, and the shear, at most 1, doubles that.
+        let shifted = 16.0 * self.shift * (size + self.shift);
+        let error = self.unit * 24.0 * size * size + shifted + self.flushed_product(size);
         u.max(v).max(w) > error && u.min(v).min(w) < -error
     }
 
@@ -102,6 +128,7 @@ impl RayFrame {
         // one for the difference, which is at most the sum of both.
         let error = |moved: f64, from: f64| {
             self.unit * (2.0 * moved.abs() + 4.0 * from.abs())
+                + 2.0 * self.shift
                 + FLUSHED * (1.0 + z.abs() + (z * self.shear.z).abs())
         };
         Sheared {
@@ -120,7 +147,8 @@ impl RayFrame {
         let slack = PADDING + 4.0 * self.unit;
         let (mut entry, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
-            let (low, high, origin) = (low[axis], high[axis], self.origin[axis]);
+            let (low, high) = (low[axis] - self.shift, high[axis] + self.shift);
+            let origin = self.origin[axis];
             if self.is_parallel(axis) {
                 // What lies a little outside counts as inside: see `ropewalk::PreparedRay`.
                 let largest = self.dir.abs().max_element();

@@ -25,6 +25,10 @@ pub struct Oracle {
     triangles: Vec<Corners>,
     names: Vec<Name>,
     rounding: f64,
+    /// How far each vertex may lie from its place, as a part of how far it and the ray's origin are from zero.
+    shift: f64,
+    /// By how many times the radius of a triangle its box reaches out, where boxes are those of objects' spaces.
+    spread: f64,
     one_sided: bool,
 }
 
@@ -62,6 +66,8 @@ impl Oracle {
             triangles: scene.triangles.iter().map(corners).collect(),
             names,
             rounding: 1.0,
+            shift: 0.0,
+            spread: 0.0,
             one_sided: false,
         }
     }
@@ -79,6 +85,17 @@ impl Oracle {
     #[must_use]
     pub fn with_rounding(self, rounding: f64) -> Self {
         Self { rounding, ..self }
+    }
+
+    /// The same for an implementation that takes rays to objects, of which the transforms make some vectors `stretch` times
+    /// longer than others. A ray's direction is rounded there by a few units more, times the stretch. Since its origin is
+    /// rounded, too, each vertex lies elsewhere by so many units of how far the origin and it are from zero. And a triangle's own
+    /// box, in which its hit is, is that in the object's space: no corner of it is farther from its middle than √3 of the triangle's
+    /// radius there.
+    #[must_use]
+    pub fn taking_rays(self, stretch: f64) -> Self {
+        let rounding = self.rounding * 8.0 * stretch;
+        Self { rounding, shift: rounding * 4.0, spread: 3f64.sqrt() * stretch, ..self }
     }
 
     /// The same of triangles that have one side: a hit counts only on the front, the side from which the vertices run
@@ -102,7 +119,13 @@ impl Oracle {
     /// that is not valid.
     #[must_use]
     pub fn candidates(&self, ray: &Ray) -> Vec<Candidate> {
-        let Some(frame) = RayFrame::new(ray, self.rounding) else { return Vec::new() };
+        let Some(mut frame) = RayFrame::new(ray, self.rounding) else { return Vec::new() };
+        if self.shift > 0.0 {
+            let from_zero = |point: DVec3| point.abs().max_element();
+            let largest = self.triangles.iter().flatten().copied().map(from_zero).fold(0.0, f64::max);
+            frame.set_shift(self.shift, from_zero(ray.origin.as_dvec3()) + largest);
+            frame.spread = self.spread;
+        }
         let mut candidates: Vec<Candidate> = self
             .triangles
             .iter()

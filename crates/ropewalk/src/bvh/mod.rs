@@ -8,8 +8,9 @@
 //! walk's stack can overflow. With spatial splits ([`Builder::Sbvh`]) a triangle may stand in several leaves, each
 //! of which holds a part of it, and all of which together cover it; its hits are still reported once.
 
-mod build;
+pub(crate) mod build;
 mod node;
+mod refit;
 mod report;
 pub(crate) mod validate;
 pub mod walk;

@@ -43,11 +43,15 @@ pub enum StructureKind {
     WideBvh,
     /// [`crate::TraversalList`].
     List,
+    /// [`crate::KdTree`].
+    KdTree,
+    /// [`crate::TwoLevel`].
+    TwoLevel,
 }
 
 impl StructureKind {
     /// Every kind.
-    pub const EVERY: [Self; 3] = [Self::Bvh, Self::WideBvh, Self::List];
+    pub const EVERY: [Self; 5] = [Self::Bvh, Self::WideBvh, Self::List, Self::KdTree, Self::TwoLevel];
 
     /// The name on the command line, without its keys.
     #[must_use]
@@ -56,6 +60,8 @@ impl StructureKind {
             Self::Bvh => "bvh",
             Self::WideBvh => "wide-bvh",
             Self::List => "list",
+            Self::KdTree => "kd-tree",
+            Self::TwoLevel => "two-level",
         }
     }
 }
@@ -65,7 +71,7 @@ impl StructureKind {
     #[must_use]
     pub const fn default_walk(self) -> Walk {
         match self {
-            Self::Bvh | Self::WideBvh => Walk::Stack(StackOrder::Ordered),
+            Self::Bvh | Self::WideBvh | Self::KdTree | Self::TwoLevel => Walk::Stack(StackOrder::Ordered),
             Self::List => Walk::List,
         }
     }
@@ -112,22 +118,32 @@ pub fn rows() -> Vec<Row> {
 #[must_use]
 pub const fn is_offered(structure: StructureKind, walk: Walk, query: Query, device: DeviceKind) -> bool {
     let first_hits = matches!(query, Query::Closest | Query::Any);
-    match (device, walk, structure) {
-        (DeviceKind::Cpu, Walk::BruteForce, _) => true,
+    let on_cpu = matches!(device, DeviceKind::Cpu);
+    match (walk, structure) {
+        (Walk::BruteForce, _) => on_cpu,
         // The one walk of lists; on a graphics adapter they have no other.
-        (_, Walk::List, StructureKind::List) => true,
+        (Walk::List, StructureKind::List) => true,
         // By skip pointers.
-        (DeviceKind::Cpu, Walk::List, StructureKind::Bvh) => true,
-        (_, Walk::List, _) | (_, _, StructureKind::List) => false,
-        (DeviceKind::Gpu, Walk::BruteForce | Walk::Recursive, _) => false,
-        (_, Walk::Stack(StackOrder::Ordered), _) => true,
-        (_, Walk::Recursive | Walk::Stack(_), StructureKind::Bvh) => first_hits,
-        (_, Walk::Recursive | Walk::Stack(_), StructureKind::WideBvh) => false,
-        (_, Walk::RestartTrail(options), _) => {
-            let is_there =
-                matches!(options.memory, StackMemory::Private) || matches!(device, DeviceKind::Gpu);
+        (Walk::List, StructureKind::Bvh) => on_cpu,
+        (Walk::List, _) | (_, StructureKind::List) => false,
+        (Walk::Recursive, StructureKind::Bvh) => on_cpu && first_hits,
+        (Walk::Recursive, _) => false,
+        (Walk::Stack(StackOrder::Ordered), _) => true,
+        (Walk::Stack(_), StructureKind::Bvh) => first_hits,
+        (Walk::Stack(_), _) => false,
+        (Walk::SmartStack { .. }, StructureKind::TwoLevel) => true,
+        (Walk::SmartStack { .. }, _) | (_, StructureKind::TwoLevel) => false,
+        // A kd-tree is never so deep that a register could be too short.
+        (Walk::RestartTrail(options), StructureKind::KdTree) => {
+            matches!((options.register, options.memory), (TrailRegister::Auto, StackMemory::Private))
+        }
+        (Walk::RestartTrail(options), _) => {
+            let is_there = matches!(options.memory, StackMemory::Private) || !on_cpu;
             let is_wide = matches!(structure, StructureKind::WideBvh);
             is_there && !(is_wide && matches!(options.register, TrailRegister::U32))
+        }
+        (Walk::KdRestart | Walk::KdBacktrack | Walk::ShortStack { .. } | Walk::Ropes, _) => {
+            matches!(structure, StructureKind::KdTree)
         }
     }
 }
@@ -181,6 +197,14 @@ mod tests {
         let best = "list:preset=best,frustum-grid=8".parse::<StructureSpec>().unwrap();
         assert_eq!(best.to_string(), "list:source=sbvh,bounds=aabb,cull=exact,heads=regular,frustum-grid=8");
         assert_eq!("wide-bvh:width=8".parse::<StructureSpec>().unwrap().to_string(), "wide-bvh");
+        for full in [
+            "kd-tree:max-depth=20,traversal-cost=90,intersection-cost=140,empty-bonus=35,duplication=16",
+            "two-level:oriented=no,opening=by-cost,parts=8,max-depth=20",
+            "two-level:bottom=wide-bvh,opening=blindly,width=4,builder=sbvh",
+            "two-level:bottom=mixed",
+        ] {
+            assert_eq!(full.parse::<StructureSpec>().unwrap().to_string(), full);
+        }
         let full = "restart-trail:short-stack=3,register=u64,memory=workgroup";
         assert_eq!(full.parse::<Walk>().unwrap().to_string(), full);
         assert_eq!("restart-trail".parse::<Walk>().unwrap().to_string(), "restart-trail:short-stack=4");
@@ -189,7 +213,9 @@ mod tests {
     #[test]
     fn a_wrong_word_is_answered_with_the_right_ones() {
         let answer = |text: &str| text.parse::<Walk>().unwrap_err().to_string();
-        assert!(answer("stak").contains("stack, restart-trail, list, recursive, brute-force"));
+        assert!(answer("stak").contains("stack, restart-trail, list, kd-restart, kd-backtrack"));
+        assert!(answer("short-stack:entries=17").contains("1 to 16"));
+        assert!(answer("smart-stack:bytes=26").contains("24 to 256 in steps of 4"));
         assert!(answer("restart-trail:short-stack=17").contains("0 to 16"));
         assert!(answer("restart-trail:register=u16").contains("auto, array, u32, u64"));
         assert!(answer("stack:ordre=culled").contains("order"));

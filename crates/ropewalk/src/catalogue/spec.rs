@@ -44,6 +44,12 @@ impl Written {
         self
     }
 
+    /// Writes keys that are written already.
+    pub(super) fn keys(mut self, written: String) -> Self {
+        self.0.push(written);
+        self
+    }
+
     /// Writes `key=value` where the value differs from the default.
     pub(super) fn changed<T: PartialEq + std::fmt::Display>(self, key: &str, value: T, plain: T) -> Self {
         if value == plain { self } else { self.key(key, value) }

@@ -4,9 +4,11 @@ use super::spec::{Spec, Written, number, pick, unknown};
 use super::{StructureKind, Walk};
 use crate::bvh::{BuildOptions, Builder, Bvh, LeafOrder};
 use crate::error::{BuildError, CatalogueError, TraceError};
+use crate::kd_tree::{Depth, KdOptions, KdTree};
 use crate::traversal_list::{
     Bounds, ChildOrder, Clearance, Cull, Directions, Heads, ListOptions, Source, Starts, TraversalList,
 };
+use crate::two_level::{BottomSpec, Bottoms, Opening, TwoLevel, TwoLevelOptions};
 use crate::wide_bvh::{Collapse, WideBvh, WideOptions, Width};
 use crate::{BuildReport, FlatTriangle, Monitor, Query, Ray, Scene, TraceOptions, Traced};
 use std::borrow::Cow;
@@ -23,6 +25,21 @@ pub enum StructureSpec {
     WideBvh(WideOptions),
     /// Traversal lists.
     List(ListOptions),
+    /// A kd-tree.
+    KdTree(KdOptions),
+    /// Objects with structures of their own, under a hierarchy over their instances.
+    TwoLevel(TwoLevelOptions),
+}
+
+impl From<BottomSpec> for StructureSpec {
+    fn from(bottom: BottomSpec) -> Self {
+        match bottom {
+            BottomSpec::KdTree(options) => Self::KdTree(options),
+            BottomSpec::Bvh(options) => Self::Bvh(options),
+            BottomSpec::WideBvh(options) => Self::WideBvh(options),
+            BottomSpec::List(options) => Self::List(options),
+        }
+    }
 }
 
 impl Default for StructureSpec {
@@ -39,6 +56,13 @@ impl StructureSpec {
         let sweep = BuildOptions { builder: Builder::SweepSah, reinsertion: 3, ..plain };
         let sbvh = BuildOptions { builder: Builder::Sbvh, ..plain };
         let (wide, list) = (WideOptions::default(), ListOptions::default());
+        let two_level = |bottom, oriented| {
+            Self::TwoLevel(TwoLevelOptions {
+                bottoms: Bottoms::Each(bottom),
+                oriented,
+                opening: Opening::Never,
+            })
+        };
         vec![
             Self::Bvh(plain),
             Self::Bvh(BuildOptions { leaf_order: LeafOrder::Left, ..plain }),
@@ -70,6 +94,16 @@ impl StructureSpec {
                 ..list
             }),
             Self::List(ListOptions::BEST),
+            Self::KdTree(KdOptions::default()),
+            Self::TwoLevel(TwoLevelOptions::default()),
+            two_level(BottomSpec::Bvh(sbvh), false),
+            two_level(BottomSpec::WideBvh(wide), true),
+            two_level(BottomSpec::List(list), false),
+            Self::TwoLevel(TwoLevelOptions {
+                bottoms: Bottoms::Mixed,
+                oriented: false,
+                opening: Opening::ByCost(3),
+            }),
         ]
     }
 
@@ -80,6 +114,8 @@ impl StructureSpec {
             Self::Bvh(_) => StructureKind::Bvh,
             Self::WideBvh(_) => StructureKind::WideBvh,
             Self::List(_) => StructureKind::List,
+            Self::KdTree(_) => StructureKind::KdTree,
+            Self::TwoLevel(_) => StructureKind::TwoLevel,
         }
     }
 
@@ -89,7 +125,7 @@ impl StructureSpec {
         match self {
             Self::Bvh(options) => Some(options),
             Self::WideBvh(options) => Some(&options.build),
-            Self::List(_) => None,
+            Self::List(_) | Self::KdTree(_) | Self::TwoLevel(_) => None,
         }
     }
 
@@ -99,7 +135,7 @@ impl StructureSpec {
         match self {
             Self::Bvh(_) => Self::Bvh(build),
             Self::WideBvh(options) => Self::WideBvh(WideOptions { build, ..options }),
-            Self::List(_) => self,
+            Self::List(_) | Self::KdTree(_) | Self::TwoLevel(_) => self,
         }
     }
 
@@ -107,8 +143,9 @@ impl StructureSpec {
     #[must_use]
     pub const fn is_one_sided(&self) -> bool {
         match self {
-            Self::Bvh(_) | Self::WideBvh(_) => false,
+            Self::Bvh(_) | Self::WideBvh(_) | Self::KdTree(_) => false,
             Self::List(options) => options.is_one_sided(),
+            Self::TwoLevel(options) => options.is_one_sided(),
         }
     }
 
@@ -121,6 +158,10 @@ impl StructureSpec {
             Self::Bvh(options) => Ok(Structure::Bvh(scene.build_monitored(options, monitor)?)),
             Self::WideBvh(options) => Ok(Structure::WideBvh(scene.build_wide_monitored(options, monitor)?)),
             Self::List(options) => Ok(Structure::List(scene.build_list_monitored(options, monitor)?)),
+            Self::KdTree(options) => Ok(Structure::KdTree(scene.build_kd_monitored(options, monitor)?)),
+            Self::TwoLevel(options) => {
+                Ok(Structure::TwoLevel(scene.build_two_level_monitored(options, monitor)?))
+            }
         }
     }
 }
@@ -153,6 +194,90 @@ const LIST_KEYS: [&str; 11] = [
     "frustum-grid",
     "moving",
 ];
+
+const KD_KEYS: [&str; 5] = ["max-depth", "traversal-cost", "intersection-cost", "empty-bonus", "duplication"];
+
+const TWO_LEVEL_KEYS: [&str; 4] = ["bottom", "oriented", "opening", "parts"];
+
+/// The structures that an object can have.
+const BOTTOMS: [&str; 5] = ["kd-tree", "bvh", "wide-bvh", "list", "mixed"];
+
+/// Reads the keys of two levels. Those that it does not have itself are keys of the objects' structures.
+fn two_level(options: Vec<(&str, &str)>) -> Result<StructureSpec, CatalogueError> {
+    let plain = TwoLevelOptions::default();
+    let (mut bottom, mut oriented, mut of_bottom) = ("kd-tree", plain.oriented, Written::default());
+    let (mut opening, mut parts) = (Opening::Never, PARTS);
+    for (key, value) in options {
+        match key {
+            "bottom" if BOTTOMS.contains(&value) => bottom = value,
+            "bottom" => return Err(unknown("structure of objects", value, &BOTTOMS)),
+            "oriented" => oriented = pick(key, value, YES_OR_NO)?,
+            "opening" => opening = pick(key, value, OPENINGS)?,
+            "parts" => parts = number(key, value)?,
+            _ => of_bottom = of_bottom.key(key, value),
+        }
+    }
+    let opening = match opening {
+        Opening::Never => Opening::Never,
+        Opening::ByCost(_) => Opening::ByCost(parts),
+        Opening::Blindly(_) => Opening::Blindly(parts),
+    };
+    if bottom == "mixed" {
+        let keys = of_bottom.under("mixed");
+        return match keys.split_once(':') {
+            None => {
+                Ok(StructureSpec::TwoLevel(TwoLevelOptions { bottoms: Bottoms::Mixed, oriented, opening }))
+            }
+            Some((_, keys)) => Err(CatalogueError(format!(
+                "the structures of bottom=mixed have no keys, but '{keys}' was given"
+            ))),
+        };
+    }
+    let bottom = match of_bottom.under(bottom).parse()? {
+        StructureSpec::KdTree(options) => BottomSpec::KdTree(options),
+        StructureSpec::Bvh(options) => BottomSpec::Bvh(options),
+        StructureSpec::WideBvh(options) => BottomSpec::WideBvh(options),
+        StructureSpec::List(options) => BottomSpec::List(options),
+        StructureSpec::TwoLevel(_) => return Err(unknown("structure of objects", bottom, &BOTTOMS)),
+    };
+    Ok(StructureSpec::TwoLevel(TwoLevelOptions { bottoms: Bottoms::Each(bottom), oriented, opening }))
+}
+
+const YES_OR_NO: &[(&str, bool)] = &[("yes", true), ("no", false)];
+
+/// The parts of an object that is opened where nobody says how many.
+const PARTS: u32 = 4;
+
+const OPENINGS: &[(&str, Opening)] =
+    &[("never", Opening::Never), ("by-cost", Opening::ByCost(PARTS)), ("blindly", Opening::Blindly(PARTS))];
+
+/// Writes two levels, with the keys of the objects' structures.
+fn write_two_level(options: &TwoLevelOptions) -> String {
+    let plain = TwoLevelOptions::default();
+    let (bottom, keys) = match options.bottoms {
+        Bottoms::Mixed => ("mixed".to_owned(), None),
+        Bottoms::Each(bottom) => {
+            let text = StructureSpec::from(bottom).to_string();
+            match text.split_once(':') {
+                Some((name, keys)) => (name.to_owned(), Some(keys.to_owned())),
+                None => (text, None),
+            }
+        }
+    };
+    let written = Written::default().changed("bottom", bottom.as_str(), "kd-tree").chosen(
+        "oriented",
+        &options.oriented,
+        &plain.oriented,
+        YES_OR_NO,
+    );
+    let written = match options.opening {
+        Opening::Never => written,
+        Opening::ByCost(parts) => written.key("opening", "by-cost").changed("parts", parts, PARTS),
+        Opening::Blindly(parts) => written.key("opening", "blindly").changed("parts", parts, PARTS),
+    };
+    let written = keys.into_iter().fold(written, Written::keys);
+    written.under("two-level")
+}
 
 /// Takes a key of a builder; false when it is none.
 fn set_build_key(options: &mut BuildOptions, key: &str, value: &str) -> Result<bool, CatalogueError> {
@@ -196,6 +321,21 @@ impl fmt::Display for StructureSpec {
                     .given("moving", options.moving)
                     .under("list")
             }
+            Self::KdTree(options) => {
+                let plain = KdOptions::default();
+                let cap = match options.max_depth {
+                    Depth::Auto => None,
+                    Depth::Cap(depth) => Some(depth),
+                };
+                Written::default()
+                    .given("max-depth", cap)
+                    .changed("traversal-cost", options.traversal_cost, plain.traversal_cost)
+                    .changed("intersection-cost", options.intersection_cost, plain.intersection_cost)
+                    .changed("empty-bonus", options.empty_bonus, plain.empty_bonus)
+                    .changed("duplication", options.duplication, plain.duplication)
+                    .under("kd-tree")
+            }
+            Self::TwoLevel(options) => write_two_level(options),
         })
     }
 }
@@ -250,7 +390,26 @@ impl FromStr for StructureSpec {
                 }
                 Ok(Self::List(options))
             }
-            name => Err(unknown("structure", name, &["bvh", "wide-bvh", "list"])),
+            "kd-tree" => {
+                let mut options = KdOptions::default();
+                for (key, value) in spec.options {
+                    match key {
+                        "max-depth" if value == "auto" => options.max_depth = Depth::Auto,
+                        "max-depth" => options.max_depth = Depth::Cap(number(key, value)?),
+                        "traversal-cost" => options.traversal_cost = number(key, value)?,
+                        "intersection-cost" => options.intersection_cost = number(key, value)?,
+                        "empty-bonus" => options.empty_bonus = number(key, value)?,
+                        "duplication" => options.duplication = number(key, value)?,
+                        _ => return Err(unknown("key of the structure kd-tree", key, &KD_KEYS)),
+                    }
+                }
+                Ok(Self::KdTree(options))
+            }
+            "two-level" => two_level(spec.options).map_err(|error| match error.0.contains("key of") {
+                true => CatalogueError(format!("{error}; two-level has {}", TWO_LEVEL_KEYS.join(", "))),
+                false => error,
+            }),
+            name => Err(unknown("structure", name, &["bvh", "wide-bvh", "list", "kd-tree", "two-level"])),
         }
     }
 }
@@ -265,6 +424,10 @@ pub enum Structure {
     WideBvh(WideBvh),
     /// Traversal lists.
     List(TraversalList),
+    /// A kd-tree.
+    KdTree(KdTree),
+    /// Objects with structures of their own, under a hierarchy over their instances.
+    TwoLevel(TwoLevel),
 }
 
 impl Structure {
@@ -275,6 +438,8 @@ impl Structure {
             Self::Bvh(_) => StructureKind::Bvh,
             Self::WideBvh(_) => StructureKind::WideBvh,
             Self::List(_) => StructureKind::List,
+            Self::KdTree(_) => StructureKind::KdTree,
+            Self::TwoLevel(_) => StructureKind::TwoLevel,
         }
     }
 
@@ -293,6 +458,8 @@ impl Structure {
             Self::Bvh(bvh) => bvh.trace(walk, query, rays, options),
             Self::WideBvh(bvh) => bvh.trace(walk, query, rays, options),
             Self::List(list) => list.trace(walk, query, rays, options),
+            Self::KdTree(tree) => tree.trace(walk, query, rays, options),
+            Self::TwoLevel(scene) => scene.trace(walk, query, rays, options),
         }
     }
 
@@ -309,7 +476,7 @@ impl Structure {
     ) -> Result<Traced, TraceError> {
         match self {
             Self::List(list) => list.trace_from(query, rays, starts, options),
-            Self::Bvh(_) | Self::WideBvh(_) => {
+            Self::Bvh(_) | Self::WideBvh(_) | Self::KdTree(_) | Self::TwoLevel(_) => {
                 Err(CatalogueError(format!("the structure '{}' has no heads to begin with", self.kind()))
                     .into())
             }
@@ -323,6 +490,8 @@ impl Structure {
             Self::Bvh(bvh) => bvh.report(),
             Self::WideBvh(bvh) => bvh.report(),
             Self::List(list) => list.report(),
+            Self::KdTree(tree) => tree.report(),
+            Self::TwoLevel(scene) => scene.report(),
         }
     }
 
@@ -330,29 +499,35 @@ impl Structure {
     #[must_use]
     pub const fn is_one_sided(&self) -> bool {
         match self {
-            Self::Bvh(_) | Self::WideBvh(_) => false,
+            Self::Bvh(_) | Self::WideBvh(_) | Self::KdTree(_) => false,
             Self::List(list) => list.is_one_sided(),
+            Self::TwoLevel(scene) => scene.is_one_sided(),
         }
     }
 
     /// Whether some triangle stands in more than one leaf: see [`Builder::Sbvh`].
     #[must_use]
-    pub const fn has_repeats(&self) -> bool {
+    pub fn has_repeats(&self) -> bool {
         match self {
             Self::Bvh(bvh) => bvh.has_repeats(),
             Self::WideBvh(bvh) => bvh.has_repeats(),
             Self::List(list) => list.has_repeats(),
+            Self::KdTree(tree) => tree.has_repeats(),
+            Self::TwoLevel(scene) => scene.has_repeats(),
         }
     }
 
     /// The triangles, in the order of the leaves; one stands in several places where spatial splits put it into
-    /// several leaves. Lists have them in pieces, of which they are put together here, each once, by their numbers.
+    /// several leaves. Lists have them in pieces, of which they are put together here, each once, by their numbers. Kd-trees
+    /// have each once; of two levels these are the objects', each once, in the objects' frames.
     #[must_use]
     pub fn triangles(&self) -> Cow<'_, [FlatTriangle]> {
         match self {
             Self::Bvh(bvh) => Cow::Borrowed(bvh.triangles()),
             Self::WideBvh(bvh) => Cow::Borrowed(bvh.triangles()),
             Self::List(list) => Cow::Owned(list.triangles().collect()),
+            Self::KdTree(tree) => Cow::Borrowed(tree.triangles()),
+            Self::TwoLevel(scene) => Cow::Owned(scene.triangles()),
         }
     }
 }

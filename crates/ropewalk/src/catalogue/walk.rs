@@ -4,6 +4,7 @@ use super::spec::{Spec, Written, number, pick, unknown};
 use crate::bvh::StackOrder;
 use crate::bvh::walk::{Trail, TrailU32, TrailU64};
 use crate::error::{CatalogueError, TraceError};
+use crate::two_level::SmartStack;
 use crate::wide_bvh::walk as wide;
 use std::fmt;
 use std::str::FromStr;
@@ -21,6 +22,22 @@ pub enum Walk {
     RestartTrail(TrailOptions),
     /// On by one element, or by as many as its escape index says.
     List,
+    /// Back to the root of a kd-tree after each leaf.
+    KdRestart,
+    /// Back to the nearest node of a kd-tree that the ray has not left.
+    KdBacktrack,
+    /// A short stack for a kd-tree; when it is exhausted, back to the deepest node that holds the rest of the ray.
+    ShortStack {
+        /// Entries, 1 to [`Walk::MAX_SHORT_STACK`].
+        entries: u32,
+    },
+    /// From leaf to leaf of a kd-tree by the links of its faces.
+    Ropes,
+    /// One loop and one ring of bytes for both levels of a two-level structure.
+    SmartStack {
+        /// Bytes of the ring, [`SmartStack::LEAST_BYTES`] to [`SmartStack::MOST_BYTES`], a multiple of 4.
+        bytes: u32,
+    },
 }
 
 /// Where the restart trail keeps its bits, which also limits how deep a tree may be.
@@ -125,7 +142,7 @@ const fn trail(short_stack: u32, register: TrailRegister, memory: StackMemory) -
 impl Walk {
     /// Every walk, in the settings in which the conformance suite tries it against the oracle. The short stacks of
     /// the sizes between are compared with these.
-    pub const EVERY: [Self; 15] = [
+    pub const EVERY: [Self; 20] = [
         Self::BruteForce,
         Self::Recursive,
         Self::Stack(StackOrder::Unordered),
@@ -141,7 +158,16 @@ impl Walk {
         trail(2, TrailRegister::U64, StackMemory::Private),
         trail(4, TrailRegister::Auto, StackMemory::Workgroup),
         Self::List,
+        Self::KdRestart,
+        Self::KdBacktrack,
+        Self::ShortStack { entries: 2 },
+        Self::Ropes,
+        // The size that swaps the most.
+        Self::SmartStack { bytes: SmartStack::LEAST_BYTES },
     ];
+
+    /// The most entries of the short stack of a kd-tree.
+    pub const MAX_SHORT_STACK: u32 = TrailOptions::MAX_SHORT_STACK;
 
     /// What it is and where it comes from.
     #[must_use]
@@ -158,6 +184,15 @@ impl Walk {
             }
             Self::RestartTrail(_) => "short stack; a trail leads back when it is exhausted (Laine 2010)",
             Self::List => "no stack: escape indices lead past what is missed (Toczek 2010)",
+            Self::KdRestart => "no stack: after each leaf from the root on (Foley and Sugerman 2005)",
+            Self::KdBacktrack => {
+                "no stack: after each leaf up to where the ray goes on (Foley and Sugerman 2005)"
+            }
+            Self::ShortStack { .. } => {
+                "short stack with push-down, restart when it is exhausted (Horn et al. 2007)"
+            }
+            Self::Ropes => "no stack: links lead from leaf to leaf (Popov et al. 2007)",
+            Self::SmartStack { .. } => "one ring for both levels that swaps its oldest entries (Reichl 2010)",
         }
     }
 
@@ -170,6 +205,11 @@ impl Walk {
             Self::Stack(_) => "stack",
             Self::RestartTrail(_) => "restart-trail",
             Self::List => "list",
+            Self::KdRestart => "kd-restart",
+            Self::KdBacktrack => "kd-backtrack",
+            Self::ShortStack { .. } => "short-stack",
+            Self::Ropes => "ropes",
+            Self::SmartStack { .. } => "smart-stack",
         }
     }
 }
@@ -178,7 +218,14 @@ impl fmt::Display for Walk {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let written = Written::default();
         let written = match self {
-            Self::BruteForce | Self::Recursive | Self::List => written,
+            Self::BruteForce
+            | Self::Recursive
+            | Self::List
+            | Self::KdRestart
+            | Self::KdBacktrack
+            | Self::Ropes => written,
+            Self::ShortStack { entries } => written.key("entries", entries),
+            Self::SmartStack { bytes } => written.key("bytes", bytes),
             Self::Stack(order) => match StackOrder::NAMES.iter().find(|(_, it)| it == order) {
                 Some((name, _)) => written.key("order", name),
                 None => written,
@@ -204,6 +251,30 @@ impl FromStr for Walk {
             "brute-force" => spec.none("walk").map(|()| Self::BruteForce),
             "recursive" => spec.none("walk").map(|()| Self::Recursive),
             "list" => spec.none("walk").map(|()| Self::List),
+            "kd-restart" => spec.none("walk").map(|()| Self::KdRestart),
+            "kd-backtrack" => spec.none("walk").map(|()| Self::KdBacktrack),
+            "ropes" => spec.none("walk").map(|()| Self::Ropes),
+            "short-stack" => {
+                let mut entries = 3;
+                for (key, value) in spec.options {
+                    match key {
+                        "entries" => entries = within(key, value, 1, Self::MAX_SHORT_STACK, 1)?,
+                        _ => return Err(unknown("key of the walk short-stack", key, &["entries"])),
+                    }
+                }
+                Ok(Self::ShortStack { entries })
+            }
+            "smart-stack" => {
+                let mut bytes = SmartStack::MOST_BYTES;
+                for (key, value) in spec.options {
+                    let (least, most) = (SmartStack::LEAST_BYTES, SmartStack::MOST_BYTES);
+                    match key {
+                        "bytes" => bytes = within(key, value, least, most, 4)?,
+                        _ => return Err(unknown("key of the walk smart-stack", key, &["bytes"])),
+                    }
+                }
+                Ok(Self::SmartStack { bytes })
+            }
             "stack" => {
                 let mut order = StackOrder::Ordered;
                 for (key, value) in spec.options {
@@ -230,7 +301,19 @@ impl FromStr for Walk {
                 Ok(Self::RestartTrail(options))
             }
             name => {
-                Err(unknown("walk", name, &["stack", "restart-trail", "list", "recursive", "brute-force"]))
+                let right = [
+                    "stack",
+                    "restart-trail",
+                    "list",
+                    "kd-restart",
+                    "kd-backtrack",
+                    "short-stack",
+                    "ropes",
+                    "smart-stack",
+                    "recursive",
+                    "brute-force",
+                ];
+                Err(unknown("walk", name, &right))
             }
         }
     }
@@ -245,4 +328,14 @@ fn short_stack(value: &str) -> Result<u32, CatalogueError> {
         "short-stack={value}: it can have 0 to {} entries; a stack that never drops one is the walk stack",
         TrailOptions::MAX_SHORT_STACK
     )))
+}
+
+/// A number from `least` to `most` in steps of `step`.
+fn within(key: &str, value: &str, least: u32, most: u32, step: u32) -> Result<u32, CatalogueError> {
+    let given = number(key, value)?;
+    if (least..=most).contains(&given) && given % step == 0 {
+        return Ok(given);
+    }
+    let steps = if step == 1 { String::new() } else { format!(" in steps of {step}") };
+    Err(CatalogueError(format!("{key}={value}: it can be {least} to {most}{steps}")))
 }

@@ -89,7 +89,6 @@ pub const fn is_offered(
     let walk_is_there = match walk {
         Walk::BruteForce => matches!(device, DeviceKind::Cpu),
         Walk::Stack(StackOrder::Ordered) => true,
-        Walk::Recursive | Walk::Stack(_) | Walk::List => false,
         // There is no workgroup memory on a CPU.
         Walk::RestartTrail(options) => {
             matches!(
@@ -97,6 +96,7 @@ pub const fn is_offered(
                 (StackMemory::Private, _) | (StackMemory::Workgroup, DeviceKind::Gpu)
             )
         }
+        _ => false,
     };
     let search_is_there = match search {
         PointSearch::Closest | PointSearch::Nearest => true,

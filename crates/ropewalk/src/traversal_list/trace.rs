@@ -58,9 +58,7 @@ impl TraversalList {
             Walk::List => Ok(Listed(self).trace(query, rays, options)),
             Walk::BruteForce => Ok(Unordered(self).trace(query, rays, options)),
             // The catalogue has refused them.
-            Walk::Recursive | Walk::Stack(_) | Walk::RestartTrail(_) => {
-                Err(CatalogueError(format!("the walk '{walk}' goes through trees only")).into())
-            }
+            _ => Err(CatalogueError(format!("the walk '{walk}' goes through trees only")).into()),
         }
     }
 
@@ -96,6 +94,25 @@ impl TraversalList {
         let started = |(index, ray)| Started { ray, heads: starts.of(index) };
         let questions: Vec<Started<'_>> = rays.iter().enumerate().map(started).collect();
         Ok(ListedFrom(self).trace(query, &questions, options))
+    }
+
+    /// Tests every triangle and no volume.
+    #[inline(always)]
+    pub(crate) fn visit_all<C: Collect, P: Probe>(
+        &self,
+        ray: &PreparedRay,
+        mut collect: C,
+        mut probe: P,
+    ) -> (C, P) {
+        for triangle in self.triangles() {
+            probe.primitive_test();
+            if let Some(hit) = self.hit(&triangle, ray, collect.t_max())
+                && collect.offer(hit).is_break()
+            {
+                break;
+            }
+        }
+        (collect, probe)
     }
 
     /// Refuses heads that cannot be meant.
@@ -184,22 +201,8 @@ struct Unordered<'a>(&'a TraversalList);
 
 impl Traversal for Unordered<'_> {
     #[inline(always)]
-    fn visit<C: Collect, P: Probe>(
-        &self,
-        _: &Ray,
-        ray: &PreparedRay,
-        mut collect: C,
-        mut probe: P,
-    ) -> (C, P) {
-        for triangle in self.0.triangles() {
-            probe.primitive_test();
-            if let Some(hit) = self.0.hit(&triangle, ray, collect.t_max())
-                && collect.offer(hit).is_break()
-            {
-                break;
-            }
-        }
-        (collect, probe)
+    fn visit<C: Collect, P: Probe>(&self, _: &Ray, ray: &PreparedRay, collect: C, probe: P) -> (C, P) {
+        self.0.visit_all(ray, collect, probe)
     }
 
     /// Each triangle has one number.

@@ -14,6 +14,7 @@
 
 mod collapse;
 mod options;
+mod refit;
 mod report;
 mod validate;
 pub mod walk;

@@ -15,6 +15,7 @@ use ropewalk_gpu::{Device, DeviceChoice};
 use ropewalk_lab::Machine;
 use ropewalk_lab::bench::Watch;
 use ropewalk_lab::comparison::{ComparisonError, TreeSettings};
+use ropewalk_scene::Model;
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -95,6 +96,10 @@ pub(super) trait Findings: Default + Serialize + Send {
     fn markdown(&self) -> String;
     /// Its rows.
     fn write_csv(&self, writer: &mut dyn Write) -> io::Result<()>;
+    /// Writes what else there is into the folder, such as pictures.
+    fn write_more(&self, _folder: &Path) -> Result<(), Failure> {
+        Ok(())
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -128,6 +133,16 @@ impl CommonArguments {
     pub(super) fn run<F: Findings>(
         &self,
         experiment: impl Fn(&str, Scene, &Watch<'_>) -> Result<F, ComparisonError> + Sync,
+    ) -> Result<(), Failure> {
+        self.run_models(|name, model, watch| {
+            experiment(name, model.scene, watch).map_err(|error| not_compared(name, error))
+        })
+    }
+
+    /// The same for an experiment that needs to know more of the model than its triangles.
+    pub(super) fn run_models<F: Findings>(
+        &self,
+        experiment: impl Fn(&str, Model, &Watch<'_>) -> Result<F, Failure> + Sync,
     ) -> Result<(), Failure> {
         let machine = Machine::here();
         let files = self.output.as_deref().map(Files::new::<F>).transpose()?;
@@ -168,7 +183,7 @@ impl CommonArguments {
 
 fn try_scene<F: Findings>(
     argument: &SceneArgument,
-    experiment: impl Fn(&str, Scene, &Watch<'_>) -> Result<F, ComparisonError>,
+    experiment: impl Fn(&str, Model, &Watch<'_>) -> Result<F, Failure>,
 ) -> Result<F, Failure> {
     let loaded = argument.load()?;
     loaded.note_defects();
@@ -178,14 +193,19 @@ fn try_scene<F: Findings>(
         progress.label(format!("{name}: {}", step.what));
         progress.step(step.done, step.total)
     };
-    experiment(&name, loaded.model.scene, &watch).map_err(|error| match error {
+    experiment(&name, loaded.model, &watch)
+}
+
+/// Why there is no comparison of a scene.
+pub(super) fn not_compared(name: &str, error: ComparisonError) -> Failure {
+    match error {
         ComparisonError::Build(error @ BuildError::Option { .. }) => error.into(),
         ComparisonError::Gpu(error) => error.into(),
         ComparisonError::Stopped => {
             Failure::failed(format!("{name}: stopped by ctrl-C: the scenes before are kept"))
         }
         other => Failure::failed(format!("{name}: {other}")),
-    })
+    }
 }
 
 /// Each once, in the order of the first mention.
@@ -221,6 +241,7 @@ fn text<F: Findings>(document: &Document<F>) -> String {
 
 /// What goes into the folder.
 struct Files {
+    folder: PathBuf,
     json: OutputFile,
     csv: OutputFile,
     markdown: OutputFile,
@@ -234,7 +255,13 @@ impl Files {
             .map_err(|error| Failure::failed(format!("{}: cannot be made: {error}", folder.display())))?;
         let file = |ending: &str| OutputFile::new(&folder.join(format!("{}.{ending}", F::NAME)));
         let plot = F::PLOT.map(|_| file("svg")).transpose()?;
-        Ok(Self { json: file("json")?, csv: file("csv")?, markdown: file("md")?, plot })
+        Ok(Self {
+            folder: folder.into(),
+            json: file("json")?,
+            csv: file("csv")?,
+            markdown: file("md")?,
+            plot,
+        })
     }
 
     fn write<F: Findings>(&self, document: &Document<F>) -> Result<(), Failure> {
@@ -244,9 +271,9 @@ impl Files {
         self.json.write(|writer| writeln!(writer, "{json}"))?;
         self.csv.write(|writer| document.findings.write_csv(writer))?;
         self.markdown.write(|writer| writer.write_all(text(document).as_bytes()))?;
-        match (&self.plot, plot) {
-            (Some(file), Some(plot)) => file.write(|writer| writer.write_all(plot.as_bytes())),
-            _ => Ok(()),
+        if let (Some(file), Some(plot)) = (&self.plot, plot) {
+            file.write(|writer| writer.write_all(plot.as_bytes()))?;
         }
+        document.findings.write_more(&self.folder)
     }
 }

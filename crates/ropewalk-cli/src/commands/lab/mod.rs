@@ -4,6 +4,7 @@ mod closest_point;
 mod common;
 mod restart_trail;
 mod traversal_lists;
+mod two_level;
 
 use crate::failure::Failure;
 use clap::{Args, Subcommand};
@@ -14,9 +15,11 @@ Examples:
   ropewalk lab restart-trail room.obj --views within --rounds 0
   ropewalk lab closest-point bunny.ply -o bunny
   ropewalk lab traversal-lists bunny.ply dragon.ply -o lists
+  ropewalk lab two-level engine.glb car.glb -o levels
   ropewalk lab restart-trail --help
   ropewalk lab closest-point --help
-  ropewalk lab traversal-lists --help";
+  ropewalk lab traversal-lists --help
+  ropewalk lab two-level --help";
 
 /// The arguments of `ropewalk lab`.
 #[derive(Args, Debug)]
@@ -35,6 +38,8 @@ enum Experiment {
     ClosestPoint(closest_point::Arguments),
     /// What traversal lists cost with each of their options (Toczek et al. 2010)
     TraversalLists(traversal_lists::Arguments),
+    /// What two levels cost beside one, and how fast the top level is rebuilt (Reichl et al. 2010)
+    TwoLevel(two_level::Arguments),
 }
 
 /// Runs the command.
@@ -43,5 +48,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Experiment::RestartTrail(arguments) => restart_trail::run(arguments),
         Experiment::ClosestPoint(arguments) => closest_point::run(arguments),
         Experiment::TraversalLists(arguments) => traversal_lists::run(arguments),
+        Experiment::TwoLevel(arguments) => two_level::run(arguments),
     }
 }

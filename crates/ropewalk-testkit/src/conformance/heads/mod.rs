@@ -22,7 +22,9 @@ use crate::compare::Mismatch;
 use crate::oracle::Oracle;
 use ropewalk::catalogue::Row;
 use ropewalk::traversal_list::{HeadTable, Heads, NO_HEAD, Starts, list_of};
-use ropewalk::{Counters, DeviceKind, PreparedRay, Ray, TraceOptions, Traced, TraversalList, Walk};
+use ropewalk::{
+    Counters, DeviceKind, PreparedRay, Ray, StructureSpec, TraceOptions, Traced, TraversalList, Walk,
+};
 
 /// Rays that begin at heads.
 struct Batch {
@@ -75,7 +77,7 @@ pub(super) fn judge(
         for &row in listed {
             let of = bench.rows[row];
             let compared = of_row(bench, list, of, &batch, device).or_else(|why| {
-                let clear = batch.without_lost(bench.truth(list.is_one_sided()).0);
+                let clear = batch.without_lost(bench.truth(StructureSpec::List(*list.options())).0);
                 if clear.rays.len() == batch.rays.len() {
                     return Err(why);
                 }

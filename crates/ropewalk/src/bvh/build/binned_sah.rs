@@ -111,21 +111,21 @@ impl Builder<'_> {
 }
 
 /// How centres map to bins, on all axes at once.
-pub(super) struct Binning {
+pub(crate) struct Binning {
     bins: usize,
     origin: Vec4,
     scale: Vec4,
 }
 
 /// A plane between bins.
-pub(super) struct Split {
+pub(crate) struct Split {
     axis: usize,
     /// The first bin of the upper side.
     bin: u32,
     /// References on the lower side and on the upper one.
-    pub(super) counts: [usize; 2],
+    pub(crate) counts: [usize; 2],
     /// The sum over both sides of half area times count.
-    pub(super) cost: f32,
+    pub(crate) cost: f32,
 }
 
 #[derive(Clone, Copy)]
@@ -139,7 +139,7 @@ impl Bin {
 }
 
 /// The bins of the three axes, 4.6 kB. Several nodes use them one after the other; each clears as many as it needs.
-pub(super) struct Bins([[Bin; BuildOptions::MAX_BINS]; 3]);
+pub(crate) struct Bins([[Bin; BuildOptions::MAX_BINS]; 3]);
 
 impl Default for Bins {
     fn default() -> Self {
@@ -160,7 +160,7 @@ impl Bins {
 const ROUND_TO_BITS: f32 = 8_388_608.0;
 
 impl Binning {
-    pub(super) fn new(part: &Part, count: usize, bins: u32) -> Self {
+    pub(crate) fn new(part: &Part, count: usize, bins: u32) -> Self {
         // Few references do not need many planes; most nodes are small and the sweep over bins dominates them.
         let bins = (bins as usize).min(4 + count / 4);
         let size = part.centers.high - part.centers.low;
@@ -193,7 +193,7 @@ impl Binning {
         }
     }
 
-    pub(super) fn best_split(&self, references: &[Reference], bins: &mut Bins) -> Option<Split> {
+    pub(crate) fn best_split(&self, references: &[Reference], bins: &mut Bins) -> Option<Split> {
         if references.len() > PARALLEL_BINNING {
             let parts = map_chunks(references, PARALLEL_BINNING / 4, |_, chunk| {
                 let mut bins = Bins::default();
@@ -236,7 +236,7 @@ impl Binning {
     }
 
     /// Puts the lower side first, measuring both sides on the way.
-    pub(super) fn partition(&self, references: &mut [Reference], split: &Split) -> (usize, [Part; 2]) {
+    pub(crate) fn partition(&self, references: &mut [Reference], split: &Split) -> (usize, [Part; 2]) {
         let mut parts = [Part::EMPTY; 2];
         let (mut low, mut high) = (0, references.len());
         while low < high {

@@ -1,11 +1,11 @@
 //! Builders of binary BVHs, the optimisation that may follow each, and what they share: flattening, the clock, emitting triangles in leaf order.
 
-mod binned_sah;
+pub(crate) mod binned_sah;
 mod leaf_left;
 mod limits;
 pub(super) mod options;
-mod part;
-mod reference;
+pub(crate) mod part;
+pub(crate) mod reference;
 mod reinsertion;
 mod sbvh;
 mod subtree;

@@ -3,39 +3,43 @@
 use super::reference::{Extent, Reference};
 use crate::parallel::map_chunks;
 
+/// As many references are measured by one thread, 0.1 ms, without an allocation.
+const CHUNK: usize = 1 << 14;
+
 /// The common box of a node's references, and the box of their doubled centres.
 #[derive(Clone, Copy)]
-pub(super) struct Part {
-    pub(super) bounds: Extent,
-    pub(super) centers: Extent,
+pub(crate) struct Part {
+    pub(crate) bounds: Extent,
+    pub(crate) centers: Extent,
 }
 
 impl Part {
-    pub(super) const EMPTY: Self = Self { bounds: Extent::EMPTY, centers: Extent::EMPTY };
+    pub(crate) const EMPTY: Self = Self { bounds: Extent::EMPTY, centers: Extent::EMPTY };
 
-    pub(super) fn measure(references: &[Reference]) -> Self {
-        map_chunks(references, 1 << 14, |_, chunk| {
-            let mut part = Self::EMPTY;
-            for reference in chunk {
-                part.add(reference);
-            }
-            part
-        })
-        .into_iter()
-        .fold(Self::EMPTY, |a, b| Self {
-            bounds: a.bounds.union(b.bounds),
-            centers: a.centers.union(b.centers),
-        })
+    pub(crate) fn measure(references: &[Reference]) -> Self {
+        if references.len() <= CHUNK {
+            return Self::of_chunk(references);
+        }
+        map_chunks(references, CHUNK, |_, chunk| Self::of_chunk(chunk)).into_iter().fold(
+            Self::EMPTY,
+            |a, b| Self { bounds: a.bounds.union(b.bounds), centers: a.centers.union(b.centers) },
+        )
+    }
+
+    fn of_chunk(references: &[Reference]) -> Self {
+        let mut part = Self::EMPTY;
+        references.iter().for_each(|reference| part.add(reference));
+        part
     }
 
     #[inline(always)]
-    pub(super) fn add(&mut self, reference: &Reference) {
+    pub(crate) fn add(&mut self, reference: &Reference) {
         self.bounds.add(reference);
         self.centers.add_point(reference.doubled_center());
     }
 
     /// The axis along which the centres are spread most.
-    pub(super) fn longest_axis(&self) -> usize {
+    pub(crate) fn longest_axis(&self) -> usize {
         let size = self.centers.high - self.centers.low;
         if size.x >= size.y && size.x >= size.z {
             0
@@ -48,7 +52,7 @@ impl Part {
 }
 
 /// Puts the lower half along the longest axis of the centres first. Needs no order of the centres to be there.
-pub(super) fn halve(references: &mut [Reference], part: &Part) -> (usize, [Part; 2]) {
+pub(crate) fn halve(references: &mut [Reference], part: &Part) -> (usize, [Part; 2]) {
     let middle = references.len() / 2;
     let axis = part.longest_axis();
     if middle > 0 {

@@ -8,7 +8,7 @@ use glam::{Vec3, Vec4};
 /// between 2 and 4: bare, a small index would be a subnormal number, and every product with it would take some
 /// hundred cycles (half of the build time of the Stanford bunny).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reference {
+pub(crate) struct Reference {
     low: Vec4,
     high: Vec4,
 }
@@ -16,25 +16,25 @@ pub(super) struct Reference {
 impl Reference {
     const INDEX_BITS: u32 = (1 << 22) - 1;
 
-    pub(super) fn new(bounds: &Aabb, index: u32) -> Self {
+    pub(crate) fn new(bounds: &Aabb, index: u32) -> Self {
         let dress = |bits: u32| f32::from_bits(bits & Self::INDEX_BITS | 2.0_f32.to_bits());
         Self { low: bounds.min.extend(dress(index)), high: bounds.max.extend(dress(index >> 22)) }
     }
 
-    pub(super) fn index(&self) -> usize {
+    pub(crate) fn index(&self) -> usize {
         let bits = |lane: f32| lane.to_bits() & Self::INDEX_BITS;
         (bits(self.low.w) | bits(self.high.w) << 22) as usize
     }
 
     /// Where the box begins and ends along an axis.
     #[inline(always)]
-    pub(super) fn span(&self, axis: usize) -> [f32; 2] {
+    pub(crate) fn span(&self, axis: usize) -> [f32; 2] {
         [self.low[axis], self.high[axis]]
     }
 
     /// The parts of the box below a plane across `axis` and above it. The plane belongs to both.
     #[inline(always)]
-    pub(super) fn cut(&self, axis: usize, plane: f32) -> [Self; 2] {
+    pub(crate) fn cut(&self, axis: usize, plane: f32) -> [Self; 2] {
         let (mut below, mut above) = (*self, *self);
         below.high[axis] = plane;
         above.low[axis] = plane;
@@ -44,7 +44,7 @@ impl Reference {
     /// The rank along an axis: by the centre, ties by the index. No two references of different primitives have the
     /// same, so that every sort is deterministic.
     #[inline(always)]
-    pub(super) fn key(&self, axis: usize) -> u64 {
+    pub(crate) fn key(&self, axis: usize) -> u64 {
         let bits = self.doubled_center()[axis].to_bits();
         // The order of the bits as a number is that of the values once negative ones are turned round.
         let ordered = if bits >> 31 == 0 { bits | 1 << 31 } else { !bits };
@@ -53,71 +53,71 @@ impl Reference {
 
     /// Twice the centre of the box. The fourth lane means nothing.
     #[inline(always)]
-    pub(super) fn doubled_center(&self) -> Vec4 {
+    pub(crate) fn doubled_center(&self) -> Vec4 {
         self.low + self.high
     }
 }
 
 /// A box in the making, for SIMD registers. The fourth lanes mean nothing.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Extent {
-    pub(super) low: Vec4,
-    pub(super) high: Vec4,
+pub(crate) struct Extent {
+    pub(crate) low: Vec4,
+    pub(crate) high: Vec4,
 }
 
 impl Extent {
-    pub(super) const EMPTY: Self = Self { low: Vec4::INFINITY, high: Vec4::NEG_INFINITY };
+    pub(crate) const EMPTY: Self = Self { low: Vec4::INFINITY, high: Vec4::NEG_INFINITY };
 
     /// The box around some references.
-    pub(super) fn of(references: &[Reference]) -> Self {
+    pub(crate) fn of(references: &[Reference]) -> Self {
         let mut extent = Self::EMPTY;
         references.iter().for_each(|reference| extent.add(reference));
         extent
     }
 
     #[inline(always)]
-    pub(super) fn add(&mut self, reference: &Reference) {
+    pub(crate) fn add(&mut self, reference: &Reference) {
         self.low = self.low.min(reference.low);
         self.high = self.high.max(reference.high);
     }
 
     #[inline(always)]
-    pub(super) fn add_point(&mut self, point: Vec4) {
+    pub(crate) fn add_point(&mut self, point: Vec4) {
         self.low = self.low.min(point);
         self.high = self.high.max(point);
     }
 
     /// What both contain; of negative size where that is nothing.
     #[inline(always)]
-    pub(super) fn intersection(self, other: Self) -> Self {
+    pub(crate) fn intersection(self, other: Self) -> Self {
         Self { low: self.low.max(other.low), high: self.high.min(other.high) }
     }
 
     /// Whether there is no point in the box: not even one of a flat box.
     #[inline(always)]
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.low.cmple(self.high).bitmask() & 0b111 != 0b111
     }
 
     #[inline(always)]
-    pub(super) fn union(self, other: Self) -> Self {
+    pub(crate) fn union(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
     /// Half the surface area; NaN or infinite for an empty extent, which no caller asks.
     #[inline(always)]
-    pub(super) fn half_area(&self) -> f32 {
+    pub(crate) fn half_area(&self) -> f32 {
         let size = self.high - self.low;
         size.x * size.y + size.y * size.z + size.z * size.x
     }
 
-    pub(super) fn bounds(&self) -> Aabb {
+    pub(crate) fn bounds(&self) -> Aabb {
         Aabb::new(self.low.truncate(), self.high.truncate())
     }
 }
 
 /// The references of triangles, in their order.
-pub(super) fn of_triangles(triangles: &[FlatTriangle]) -> Vec<Reference> {
+pub(crate) fn of_triangles(triangles: &[FlatTriangle]) -> Vec<Reference> {
     let nothing = Reference::new(&Aabb::new(Vec3::ZERO, Vec3::ZERO), 0);
     let mut references = vec![nothing; triangles.len()];
     fill_chunks(&mut references, 1 << 14, |first, part| {

@@ -4,7 +4,7 @@ use super::{BruteForce, Ordered, Postponed, Recursive, SkipPointers, StackOrder,
 use crate::batch::{TraceOptions, Traced, Traversal, answer_each};
 use crate::bvh::Bvh;
 use crate::catalogue::{self, StructureKind};
-use crate::{DeviceKind, Hit, Query, Ray, TraceError, Walk};
+use crate::{CatalogueError, DeviceKind, Hit, Query, Ray, TraceError, Walk};
 
 impl Bvh {
     /// Traces a batch by any walk of the catalogue.
@@ -30,6 +30,11 @@ impl Bvh {
             Walk::Stack(StackOrder::Ordered) => self.by(Ordered).trace(query, rays, options),
             Walk::RestartTrail(trail) => restart_trail::trace(self, trail, query, rays, options)?,
             Walk::List => self.by(SkipPointers(self.skips())).trace(query, rays, options),
+            // The catalogue has refused them.
+            _ => {
+                let text = format!("the walk '{walk}' does not go through binary trees of boxes");
+                return Err(CatalogueError(text).into());
+            }
         })
     }
 

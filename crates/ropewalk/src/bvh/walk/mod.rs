@@ -30,7 +30,7 @@ mod skip_pointers;
 mod visitor;
 
 pub use collect::{AllHits, AnyHit, ClosestHit, Collect, HitCount, Summary};
-pub use ordered::Ordered;
+pub use ordered::{Ordered, OrderedFrom};
 pub use postponed::Postponed;
 pub use recursive::Recursive;
 pub use restart_trail::{ArrayTrail, RestartTrail, Trail, TrailU32, TrailU64};

@@ -9,6 +9,13 @@ use crate::bvh::{MAX_DEPTH, Node};
 #[derive(Clone, Copy, Debug)]
 pub struct Ordered;
 
+/// The same walk through the subtree of a node, whose own box is not tested.
+#[derive(Clone, Copy, Debug)]
+pub struct OrderedFrom(
+    /// The node.
+    pub u32,
+);
+
 /// A child that waits, and where the seeker enters it.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Entry {
@@ -19,12 +26,19 @@ pub(super) struct Entry {
 impl<S: Seeker> BvhWalk<S> for Ordered {
     #[inline(always)]
     fn walk<V: Visitor>(self, nodes: &[Node], seeker: &S, visitor: &mut V) {
+        OrderedFrom(0).walk(nodes, seeker, visitor);
+    }
+}
+
+impl<S: Seeker> BvhWalk<S> for OrderedFrom {
+    #[inline(always)]
+    fn walk<V: Visitor>(self, nodes: &[Node], seeker: &S, visitor: &mut V) {
         if nodes.is_empty() {
             return;
         }
         let mut stack = [Entry::default(); MAX_DEPTH as usize];
         let mut entries = 0;
-        let mut current = 0;
+        let mut current = self.0;
         loop {
             let node = &nodes[current as usize];
             if node.is_leaf() {

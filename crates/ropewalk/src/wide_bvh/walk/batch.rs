@@ -25,9 +25,7 @@ impl WideBvh {
             Walk::Stack(StackOrder::Ordered) => Ok(self.by(Ordered).trace(query, rays, options)),
             Walk::RestartTrail(trail) => restart_trail::trace(self, trail, query, rays, options),
             // The catalogue has refused them.
-            Walk::Recursive | Walk::Stack(_) | Walk::List => {
-                Err(CatalogueError(format!("the walk '{walk}' goes through binary trees only")).into())
-            }
+            _ => Err(CatalogueError(format!("the walk '{walk}' does not go through wide trees")).into()),
         }
     }
 

@@ -1,0 +1,49 @@
+//! AFF, the Animated File Format of BART, "A Benchmark for Animated Ray Tracing" (Lext, Assarsson and Möller 2001),
+//! and NFF, the Neutral File Format 3.1 (Haines 1987) that it extends.
+//!
+//! * **Objects.** Each animated block (`x`) that holds shapes is an object with one instance, placed where its tracks
+//!   and those of the blocks around it put it when the animation starts. A block without a track of its own is an
+//!   object too: the file says that it may move. Blocks of one name at one place are one object. Static blocks (`xs`)
+//!   become part of the vertices. All that stands in no animated block is one object, the background, without a name;
+//!   it is stored as it stands in the world.
+//! * **Animated triangles** (`tpa`) change their shape: those of a block are one object beside its rigid one.
+//! * **Round shapes** are made of triangles ([`round`]); what a statement gives otherwise stays as it is, with the
+//!   polygons cut as those of all formats.
+//! * **Includes** are read relative to the file that includes them, gzipped or not, as often as they stand there.
+//!   A file that is missing is an error.
+//! * **Looks.** Diffuse colours, roughness after the highlight's exponent, transmittance, normals, texture coordinates,
+//!   the camera and the lights come along. Textures, ambient light and the colour of highlights do not.
+//! * **NFF** of other programs may leave away the last numbers of a material, and write more behind it and behind
+//!   spheres. Sense8's NFF is another format and is refused.
+//!
+//! The cost is one pass over the text with its includes unfolded, and one over the triangles. How much a file may
+//! unfold to is limited ([`budget`]), and so are the depths of includes ([`includes`]) and blocks ([`blocks`]).
+
+mod animation;
+mod assemble;
+mod blocks;
+mod budget;
+mod document;
+mod includes;
+mod keyframes;
+mod looks;
+mod parse;
+mod part;
+mod quaternion;
+mod round;
+mod shape;
+mod tokens;
+mod track;
+
+#[cfg(test)]
+mod scene_tests;
+
+use super::source::Source;
+use crate::{LoadError, Model};
+
+/// Reads an AFF or NFF file, with what it includes, as at the start of its animation.
+pub(crate) fn load(source: &Source) -> Result<Model, LoadError> {
+    let document = parse::parse(source)?;
+    let time = document.start;
+    Ok(assemble::assemble(document, time))
+}
