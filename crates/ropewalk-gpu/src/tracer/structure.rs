@@ -88,6 +88,15 @@ impl GpuStructure {
         Self { inner: Arc::new(Inner { gpu: gpu.clone(), bind_group, bytes, shape, lists }) }
     }
 
+    /// Bytes of the two buffers that a structure needs on a device: of nodes or elements, and of triangles or vertices.
+    ///
+    /// # Errors
+    /// When there is no walk of it on a graphics adapter.
+    pub fn bytes_needed(structure: &Structure) -> Result<[u64; 2], GpuError> {
+        let content = Content::of(structure, u64::MAX)?;
+        Ok([content.nodes.len(), content.triangles.len()])
+    }
+
     /// Whether this is the only handle.
     pub(super) fn is_unshared(&self) -> bool {
         Arc::strong_count(&self.inner) == 1

@@ -8,15 +8,43 @@ use ropewalk::{DeviceKind, Query, Ray, Structure, StructureKind, TraceOptions, T
 use ropewalk_gpu::{GpuError, GpuStructure, Tracer};
 use ropewalk_testkit::conformance::{Accuracy, Device, RowResult, Suite};
 
-/// A tracer with the structure that the suite prepared last.
+/// Entries of a stack that is large enough for nearly all cases.
+const USUAL_STACK: u32 = 64;
+
+/// Tracers with the structure that the suite prepared last.
 struct Judged {
-    tracer: Tracer,
-    structure: Option<GpuStructure>,
+    /// With a stack of the size that the structure needs: each size is another kernel.
+    fitting: Tracer,
+    /// With one size for all structures that need no more: a software adapter takes longer to compile a kernel than to run it. That
+    /// the size fits is the business of the twins.
+    usual: Tracer,
+    structure: Option<(GpuStructure, bool)>,
+}
+
+impl Judged {
+    fn prepared(&self) -> Result<(&Tracer, &GpuStructure), String> {
+        let (structure, is_usual) = self.structure.as_ref().ok_or("no structure is prepared")?;
+        Ok((if *is_usual { &self.usual } else { &self.fitting }, structure))
+    }
+}
+
+/// The most entries that a stack can hold.
+fn stack_entries(structure: &Structure) -> u32 {
+    match structure {
+        Structure::WideBvh(bvh) => bvh.stack_entries(),
+        Structure::TwoLevel(scene) => {
+            let bottoms = scene.objects().iter().flatten().map(|object| object.bottom().stack_entries());
+            scene.top().depth() + bottoms.fold(0, u32::max)
+        }
+        _ => structure.report().depth,
+    }
 }
 
 impl Device for Judged {
     fn prepare(&mut self, structure: &Structure) -> Result<(), String> {
-        self.structure = Some(self.tracer.upload(structure).map_err(|error| error.to_string())?);
+        let is_usual = stack_entries(structure) <= USUAL_STACK;
+        let tracer = if is_usual { &self.usual } else { &self.fitting };
+        self.structure = Some((tracer.upload(structure).map_err(|error| error.to_string())?, is_usual));
         Ok(())
     }
 
@@ -27,8 +55,8 @@ impl Device for Judged {
         rays: &[Ray],
         options: TraceOptions,
     ) -> Result<Traced, String> {
-        let structure = self.structure.as_ref().ok_or("no structure is prepared")?;
-        let traced = self.tracer.trace(structure, walk, query, rays, options);
+        let (tracer, structure) = self.prepared()?;
+        let traced = tracer.trace(structure, walk, query, rays, options);
         traced.map(|answer| answer.traced).map_err(|error: GpuError| error.to_string())
     }
 
@@ -39,8 +67,8 @@ impl Device for Judged {
         starts: Starts<'_>,
         options: TraceOptions,
     ) -> Result<Option<Traced>, String> {
-        let structure = self.structure.as_ref().ok_or("no structure is prepared")?;
-        let traced = self.tracer.trace_from(structure, query, rays, starts, options);
+        let (tracer, structure) = self.prepared()?;
+        let traced = tracer.trace_from(structure, query, rays, starts, options);
         traced.map(|answer| Some(answer.traced)).map_err(|error: GpuError| error.to_string())
     }
 }
@@ -52,7 +80,8 @@ fn conform(kinds: &[StructureKind]) {
     assert!(!rows.is_empty());
     on_every_adapter(|machine| {
         let accuracy = if machine.is_exact() { Accuracy::Exact } else { Accuracy::Relaxed };
-        let mut judged = Judged { tracer: machine.trusted.clone(), structure: None };
+        let usual = machine.tracer(|options| options.stack_entries = Some(USUAL_STACK));
+        let mut judged = Judged { fitting: machine.trusted.clone(), usual, structure: None };
         let report = Suite::new(accuracy).run(&rows, &mut judged, &mut |_, _| {});
         assert!(report.is_passed(), "{report}");
         let has_heads = |row: &&RowResult| row.from_heads > 0;

@@ -4,7 +4,7 @@ use super::Arguments;
 use crate::scene_argument::LoadedScene;
 use ropewalk::traversal_list::{Element, HeadTable};
 use ropewalk::{BuildReport, Structure, TraversalList};
-use ropewalk_gpu::{AdapterSummary, Gpu};
+use ropewalk_gpu::{AdapterSummary, Gpu, GpuStructure};
 use serde::Serialize;
 
 #[derive(Debug, Serialize)]
@@ -206,23 +206,9 @@ fn growth(report: &BuildReport) -> f64 {
     if report.triangles == 0 { 0.0 } else { more as f64 / report.triangles as f64 }
 }
 
-/// Bytes before the elements of lists in their buffer.
-const LIST_HEADER: usize = 80 * size_of::<u32>();
-
 /// Asks every adapter whether it holds the structure.
 fn fits(structure: &Structure) -> Vec<Fit> {
-    // As the structure lies in buffers: nodes in one, triangles in another.
-    let (node_bytes, triangle_bytes) = match structure {
-        Structure::Bvh(bvh) => (size_of_val(bvh.nodes()), size_of_val(bvh.triangles())),
-        Structure::WideBvh(bvh) => (size_of_val(bvh.children()), size_of_val(bvh.triangles())),
-        // Where each list begins stands before the elements; vertices and who each triangle is in the other.
-        Structure::List(list) => (
-            LIST_HEADER + size_of_val(list.elements()),
-            size_of_val(list.vertices()) + size_of_val(list.identities()),
-        ),
-        _ => return Vec::new(),
-    };
-    let (node_bytes, triangle_bytes) = (node_bytes as u64, triangle_bytes as u64);
+    let Ok([node_bytes, triangle_bytes]) = GpuStructure::bytes_needed(structure) else { return Vec::new() };
     let fit = |adapter: &AdapterSummary| {
         let opened = Gpu::open(adapter.index);
         let limits = opened.as_ref().map(|gpu| gpu.device().limits());
