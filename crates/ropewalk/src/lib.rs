@@ -46,7 +46,7 @@ pub mod two_level;
 pub mod wide_bvh;
 
 pub use aabb::Aabb;
-pub use batch::{Answer, HitLists, TraceOptions, Traced};
+pub use batch::{Answer, HitLists, Keep, TraceOptions, Traced};
 pub use bvh::{BuildOptions, BuildReport, Builder, Bvh};
 pub use catalogue::{DeviceKind, Structure, StructureKind, StructureSpec, Walk};
 pub use error::{

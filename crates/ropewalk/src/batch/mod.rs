@@ -1,9 +1,11 @@
 //! Many rays at once, and what comes back: the same types from the CPU and from a GPU.
 
+mod filter;
 mod trace;
 
+pub use filter::Keep;
 pub use trace::settle;
-pub(crate) use trace::{Question, Traversal, answer_each, gather};
+pub(crate) use trace::{Batch, Question, Traversal, answer_each, gather};
 
 use crate::{CounterTotals, Counters, Hit, Query, Status};
 

@@ -2,6 +2,7 @@
 //!
 //! Rays are spread over threads in chunks; answers come back in the order of the rays.
 
+use super::filter::{Filtered, Keep};
 use super::{Answer, HitLists, TraceOptions, Traced};
 use crate::bvh::walk::{AllHits, AnyHit, ClosestHit, Collect, HitCount, Summary};
 use crate::parallel::{fill_chunks, map_chunks};
@@ -21,6 +22,16 @@ impl Question for Ray {
     fn ray(&self) -> &Self {
         self
     }
+}
+
+/// Many rays, and what is asked of them.
+#[derive(Clone, Copy)]
+pub(crate) struct Batch<'a, Q = Ray> {
+    pub(crate) query: Query,
+    pub(crate) rays: &'a [Q],
+    pub(crate) options: TraceOptions,
+    /// Which hits count; `None` where all do.
+    pub(crate) keep: Option<Keep<'a>>,
 }
 
 /// A structure together with the way to walk it.
@@ -63,7 +74,21 @@ pub(crate) trait Traversal<Q: Question = Ray>: Sync {
     }
 
     /// Traces a batch.
-    fn trace(&self, query: Query, rays: &[Q], options: TraceOptions) -> Traced {
+    fn trace(&self, batch: Batch<'_, Q>) -> Traced
+    where
+        Self: Sized,
+    {
+        let Batch { query, rays, options, keep } = batch;
+        match keep {
+            None => self.trace_all(query, rays, options),
+            Some(keep) => {
+                Filtered { walk: self, keep, counts: options.counters }.trace_all(query, rays, options)
+            }
+        }
+    }
+
+    /// Traces a batch; every hit counts.
+    fn trace_all(&self, query: Query, rays: &[Q], options: TraceOptions) -> Traced {
         if options.counters {
             let (answer, counters) = self.by_probe::<Counters>(query, rays);
             Traced { answer, status: statuses(rays), counters: Some(counters) }

@@ -10,7 +10,7 @@ use crate::traversal_list::{
 };
 use crate::two_level::{BottomSpec, Bottoms, Opening, TwoLevel, TwoLevelOptions};
 use crate::wide_bvh::{Collapse, WideBvh, WideOptions, Width};
-use crate::{BuildReport, FlatTriangle, Monitor, Query, Ray, Scene, TraceOptions, Traced};
+use crate::{BuildReport, FlatTriangle, Keep, Monitor, Query, Ray, Scene, TraceOptions, Traced};
 use std::borrow::Cow;
 use std::fmt;
 use std::str::FromStr;
@@ -460,6 +460,41 @@ impl Structure {
             Self::List(list) => list.trace(walk, query, rays, options),
             Self::KdTree(tree) => tree.trace(walk, query, rays, options),
             Self::TwoLevel(scene) => scene.trace(walk, query, rays, options),
+        }
+    }
+
+    /// Traces a batch on the CPU, as if the hits that `keep` does not keep were not there: holes in leaves, parts that are
+    /// hidden, the side that does not count.
+    ///
+    /// ```
+    /// use ropewalk::{Answer, Hit, Mesh, NoMonitor, Query, Ray, Scene, StructureSpec, TraceOptions, Walk, glam::Vec3};
+    /// let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::X + Vec3::Z, Vec3::Y + Vec3::Z];
+    /// let scene = Scene::from_mesh(Mesh::new(corners, vec![[3, 4, 5], [0, 1, 2]]));
+    /// let structure = StructureSpec::default().build(&scene, &NoMonitor)?;
+    /// let rays = [Ray::new(Vec3::new(0.2, 0.2, 3.0), Vec3::NEG_Z)];
+    /// let without_the_first = |hit: &Hit| hit.primitive_index != 0;
+    /// let (walk, options) = (Walk::default(), TraceOptions::default());
+    /// let traced = structure.trace_filtered(walk, Query::Closest, &rays, options, &without_the_first)?;
+    /// assert!(matches!(traced.answer, Answer::Closest(hits) if hits[0].primitive_index == 1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Structure::trace`].
+    pub fn trace_filtered(
+        &self,
+        walk: Walk,
+        query: Query,
+        rays: &[Ray],
+        options: TraceOptions,
+        keep: Keep<'_>,
+    ) -> Result<Traced, TraceError> {
+        match self {
+            Self::Bvh(bvh) => bvh.trace_filtered(walk, query, rays, options, keep),
+            Self::WideBvh(bvh) => bvh.trace_filtered(walk, query, rays, options, keep),
+            Self::List(list) => list.trace_filtered(walk, query, rays, options, keep),
+            Self::KdTree(tree) => tree.trace_filtered(walk, query, rays, options, keep),
+            Self::TwoLevel(scene) => scene.trace_filtered(walk, query, rays, options, keep),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::KdTree;
 use super::walk::{Backtrack, KdWalk, ReferenceVisitor, Restart, RestartTrail, Ropes, ShortStack, Stack};
-use crate::batch::{TraceOptions, Traced, Traversal, answer_each};
+use crate::batch::{Batch, Keep, TraceOptions, Traced, Traversal, answer_each};
 use crate::bvh::StackOrder;
 use crate::bvh::walk::{AnyHit, ClosestHit, Collect, TrailU64};
 use crate::catalogue::{self, StructureKind};
@@ -72,18 +72,37 @@ impl KdTree {
         rays: &[Ray],
         options: TraceOptions,
     ) -> Result<Traced, TraceError> {
-        catalogue::check(StructureKind::KdTree, walk, query, DeviceKind::Cpu)?;
+        self.trace_batch(walk, Batch { query, rays, options, keep: None })
+    }
+
+    /// Traces a batch by any walk of the catalogue, as if the hits that `keep` does not keep were not there.
+    ///
+    /// # Errors
+    /// As [`Self::trace`].
+    pub fn trace_filtered(
+        &self,
+        walk: Walk,
+        query: Query,
+        rays: &[Ray],
+        options: TraceOptions,
+        keep: Keep<'_>,
+    ) -> Result<Traced, TraceError> {
+        self.trace_batch(walk, Batch { query, rays, options, keep: Some(keep) })
+    }
+
+    fn trace_batch(&self, walk: Walk, batch: Batch<'_>) -> Result<Traced, TraceError> {
+        catalogue::check(StructureKind::KdTree, walk, batch.query, DeviceKind::Cpu)?;
         Ok(match walk {
-            Walk::BruteForce => self.trace_by_force(query, rays, options),
-            Walk::Stack(StackOrder::Ordered) => self.trace_by(Stack, query, rays, options),
+            Walk::BruteForce => Unordered(self).trace(batch),
+            Walk::Stack(StackOrder::Ordered) => self.by(Stack).trace(batch),
             Walk::RestartTrail(trail) => {
                 let walk = RestartTrail::<TrailU64>::new(trail.short_stack);
-                self.trace_by(walk, query, rays, options)
+                self.by(walk).trace(batch)
             }
-            Walk::KdRestart => self.trace_by(Restart, query, rays, options),
-            Walk::KdBacktrack => self.trace_by(Backtrack, query, rays, options),
-            Walk::ShortStack { entries } => self.trace_by(ShortStack { entries }, query, rays, options),
-            Walk::Ropes => self.trace_by(Ropes, query, rays, options),
+            Walk::KdRestart => self.by(Restart).trace(batch),
+            Walk::KdBacktrack => self.by(Backtrack).trace(batch),
+            Walk::ShortStack { entries } => self.by(ShortStack { entries }).trace(batch),
+            Walk::Ropes => self.by(Ropes).trace(batch),
             // The catalogue has refused them.
             Walk::Recursive | Walk::Stack(_) | Walk::List | Walk::SmartStack { .. } => {
                 let text = format!("the walk '{walk}' does not go through kd-trees");
@@ -95,13 +114,13 @@ impl KdTree {
     /// Traces a batch by a walk.
     #[must_use]
     pub fn trace_by<W: KdWalk>(&self, walk: W, query: Query, rays: &[Ray], options: TraceOptions) -> Traced {
-        self.by(walk).trace(query, rays, options)
+        self.by(walk).trace(Batch { query, rays, options, keep: None })
     }
 
     /// Traces a batch by testing every triangle, each once: no cell takes part.
     #[must_use]
     pub fn trace_by_force(&self, query: Query, rays: &[Ray], options: TraceOptions) -> Traced {
-        Unordered(self).trace(query, rays, options)
+        Unordered(self).trace(Batch { query, rays, options, keep: None })
     }
 
     #[inline(always)]

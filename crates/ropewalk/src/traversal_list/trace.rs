@@ -1,7 +1,7 @@
 //! One ray or many through lists.
 
 use super::{Starts, TraversalList};
-use crate::batch::{Question, TraceOptions, Traced, Traversal, answer_each};
+use crate::batch::{Batch, Keep, Question, TraceOptions, Traced, Traversal, answer_each};
 use crate::bvh::walk::{AnyHit, ClosestHit, Collect};
 use crate::catalogue::{self, StructureKind};
 use crate::{CatalogueError, DeviceKind, Hit, NoProbe, PreparedRay, Probe, Query, Ray, TraceError, Walk};
@@ -53,10 +53,29 @@ impl TraversalList {
         rays: &[Ray],
         options: TraceOptions,
     ) -> Result<Traced, TraceError> {
-        catalogue::check(StructureKind::List, walk, query, DeviceKind::Cpu)?;
+        self.trace_batch(walk, Batch { query, rays, options, keep: None })
+    }
+
+    /// Traces a batch by any walk of the catalogue, as if the hits that `keep` does not keep were not there.
+    ///
+    /// # Errors
+    /// As [`Self::trace`].
+    pub fn trace_filtered(
+        &self,
+        walk: Walk,
+        query: Query,
+        rays: &[Ray],
+        options: TraceOptions,
+        keep: Keep<'_>,
+    ) -> Result<Traced, TraceError> {
+        self.trace_batch(walk, Batch { query, rays, options, keep: Some(keep) })
+    }
+
+    fn trace_batch(&self, walk: Walk, batch: Batch<'_>) -> Result<Traced, TraceError> {
+        catalogue::check(StructureKind::List, walk, batch.query, DeviceKind::Cpu)?;
         match walk {
-            Walk::List => Ok(Listed(self).trace(query, rays, options)),
-            Walk::BruteForce => Ok(Unordered(self).trace(query, rays, options)),
+            Walk::List => Ok(Listed(self).trace(batch)),
+            Walk::BruteForce => Ok(Unordered(self).trace(batch)),
             // The catalogue has refused them.
             _ => Err(CatalogueError(format!("the walk '{walk}' goes through trees only")).into()),
         }
@@ -93,7 +112,7 @@ impl TraversalList {
         self.check_starts(rays, starts)?;
         let started = |(index, ray)| Started { ray, heads: starts.of(index) };
         let questions: Vec<Started<'_>> = rays.iter().enumerate().map(started).collect();
-        Ok(ListedFrom(self).trace(query, &questions, options))
+        Ok(ListedFrom(self).trace(Batch { query, rays: &questions, options, keep: None }))
     }
 
     /// Tests every triangle and no volume.

@@ -17,6 +17,7 @@
 //! | `change` | a scene that changes, frame by frame |
 //! | `background` | a structure that is built while frames go on |
 //! | `enter` | what a hit is: a ray in an object's frame |
+//! | `single` | one triangle of one instance, for those who come to it by another way |
 //! | `walk`, `merged`, `trace` | the loops, and one ray or many |
 //! | `smart_stack` | one ring for the stacks of both levels |
 //! | `validate` | the rules of the structure |
@@ -39,6 +40,7 @@ mod object;
 mod opening;
 mod options;
 pub mod oriented_box;
+mod single;
 mod smart_stack;
 pub mod top_level;
 mod trace;
@@ -51,6 +53,7 @@ pub use change::{ChangeError, CommitReport, TopUpdate};
 pub use instance::{DIRECTION_STEP, Placed};
 pub use object::ObjectStructure;
 pub use options::{BottomSpec, Bottoms, Opening, TwoLevelOptions};
+pub use single::EnteredInstance;
 pub use smart_stack::SmartStack;
 pub use top_level::TopLevel;
 

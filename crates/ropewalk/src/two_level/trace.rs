@@ -1,7 +1,7 @@
 //! One ray or many through both levels.
 
 use super::{SmartStack, TwoLevel};
-use crate::batch::{TraceOptions, Traced, Traversal, answer_each};
+use crate::batch::{Batch, Keep, TraceOptions, Traced, Traversal, answer_each};
 use crate::bvh::StackOrder;
 use crate::bvh::walk::{AnyHit, ClosestHit, Collect};
 use crate::catalogue::{self, StructureKind};
@@ -54,12 +54,31 @@ impl TwoLevel {
         rays: &[Ray],
         options: TraceOptions,
     ) -> Result<Traced, TraceError> {
-        catalogue::check(StructureKind::TwoLevel, walk, query, DeviceKind::Cpu)?;
+        self.trace_batch(walk, Batch { query, rays, options, keep: None })
+    }
+
+    /// Traces a batch by any walk of the catalogue, as if the hits that `keep` does not keep were not there.
+    ///
+    /// # Errors
+    /// As [`Self::trace`].
+    pub fn trace_filtered(
+        &self,
+        walk: Walk,
+        query: Query,
+        rays: &[Ray],
+        options: TraceOptions,
+        keep: Keep<'_>,
+    ) -> Result<Traced, TraceError> {
+        self.trace_batch(walk, Batch { query, rays, options, keep: Some(keep) })
+    }
+
+    fn trace_batch(&self, walk: Walk, batch: Batch<'_>) -> Result<Traced, TraceError> {
+        catalogue::check(StructureKind::TwoLevel, walk, batch.query, DeviceKind::Cpu)?;
         match walk {
-            Walk::Stack(StackOrder::Ordered) => Ok(Nested(self).trace(query, rays, options)),
-            Walk::BruteForce => Ok(Everything(self).trace(query, rays, options)),
+            Walk::Stack(StackOrder::Ordered) => Ok(Nested(self).trace(batch)),
+            Walk::BruteForce => Ok(Everything(self).trace(batch)),
             Walk::SmartStack { bytes } => {
-                Ok(Merged { scene: self, bytes: SmartStack::round(bytes) }.trace(query, rays, options))
+                Ok(Merged { scene: self, bytes: SmartStack::round(bytes) }.trace(batch))
             }
             // The catalogue has refused them.
             _ => Err(CatalogueError(format!("the walk '{walk}' goes through one level only")).into()),

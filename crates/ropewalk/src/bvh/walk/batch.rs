@@ -1,7 +1,7 @@
 //! Batches of rays, spread over threads where there are any.
 
 use super::{BruteForce, Ordered, Postponed, Recursive, SkipPointers, StackOrder, restart_trail};
-use crate::batch::{TraceOptions, Traced, Traversal, answer_each};
+use crate::batch::{Batch, Keep, TraceOptions, Traced, Traversal, answer_each};
 use crate::bvh::Bvh;
 use crate::catalogue::{self, StructureKind};
 use crate::{CatalogueError, DeviceKind, Hit, Query, Ray, TraceError, Walk};
@@ -18,18 +18,35 @@ impl Bvh {
         rays: &[Ray],
         options: TraceOptions,
     ) -> Result<Traced, TraceError> {
-        catalogue::check(StructureKind::Bvh, walk, query, DeviceKind::Cpu)?;
+        self.trace_batch(walk, Batch { query, rays, options, keep: None })
+    }
+
+    /// Traces a batch by any walk of the catalogue, as if the hits that `keep` does not keep were not there.
+    ///
+    /// # Errors
+    /// As [`Self::trace`].
+    pub fn trace_filtered(
+        &self,
+        walk: Walk,
+        query: Query,
+        rays: &[Ray],
+        options: TraceOptions,
+        keep: Keep<'_>,
+    ) -> Result<Traced, TraceError> {
+        self.trace_batch(walk, Batch { query, rays, options, keep: Some(keep) })
+    }
+
+    fn trace_batch(&self, walk: Walk, batch: Batch<'_>) -> Result<Traced, TraceError> {
+        catalogue::check(StructureKind::Bvh, walk, batch.query, DeviceKind::Cpu)?;
         Ok(match walk {
-            Walk::BruteForce => self.by(BruteForce).trace(query, rays, options),
-            Walk::Recursive => self.by(Recursive).trace(query, rays, options),
-            Walk::Stack(StackOrder::Unordered) => {
-                self.by(Postponed::<false, false>).trace(query, rays, options)
-            }
-            Walk::Stack(StackOrder::Culled) => self.by(Postponed::<true, false>).trace(query, rays, options),
-            Walk::Stack(StackOrder::Sorted) => self.by(Postponed::<true, true>).trace(query, rays, options),
-            Walk::Stack(StackOrder::Ordered) => self.by(Ordered).trace(query, rays, options),
-            Walk::RestartTrail(trail) => restart_trail::trace(self, trail, query, rays, options)?,
-            Walk::List => self.by(SkipPointers(self.skips())).trace(query, rays, options),
+            Walk::BruteForce => self.by(BruteForce).trace(batch),
+            Walk::Recursive => self.by(Recursive).trace(batch),
+            Walk::Stack(StackOrder::Unordered) => self.by(Postponed::<false, false>).trace(batch),
+            Walk::Stack(StackOrder::Culled) => self.by(Postponed::<true, false>).trace(batch),
+            Walk::Stack(StackOrder::Sorted) => self.by(Postponed::<true, true>).trace(batch),
+            Walk::Stack(StackOrder::Ordered) => self.by(Ordered).trace(batch),
+            Walk::RestartTrail(trail) => restart_trail::trace(self, trail, batch)?,
+            Walk::List => self.by(SkipPointers(self.skips())).trace(batch),
             // The catalogue has refused them.
             _ => {
                 let text = format!("the walk '{walk}' does not go through binary trees of boxes");

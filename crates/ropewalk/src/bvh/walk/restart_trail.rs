@@ -31,25 +31,19 @@
 use super::ordered::Entry;
 use super::short_stack::ShortStack;
 use super::{BvhWalk, Seeker, Visitor};
-use crate::batch::Traversal;
+use crate::batch::{Batch, Traversal};
 use crate::bvh::{Bvh, MAX_DEPTH, Node};
 use crate::catalogue::{TrailOptions, TrailRegister};
-use crate::{Query, Ray, TraceError, TraceOptions, Traced};
+use crate::{TraceError, Traced};
 
 /// Traces a batch with the register that was asked for, or the smallest that serves the tree.
-pub(super) fn trace(
-    bvh: &Bvh,
-    options: TrailOptions,
-    query: Query,
-    rays: &[Ray],
-    how: TraceOptions,
-) -> Result<Traced, TraceError> {
+pub(super) fn trace(bvh: &Bvh, options: TrailOptions, batch: Batch<'_>) -> Result<Traced, TraceError> {
     let room = options.short_stack;
     Ok(match options.register_for(bvh.report().depth)? {
-        TrailRegister::U32 => bvh.by(RestartTrail::<TrailU32>::new(room)).trace(query, rays, how),
-        TrailRegister::U64 => bvh.by(RestartTrail::<TrailU64>::new(room)).trace(query, rays, how),
+        TrailRegister::U32 => bvh.by(RestartTrail::<TrailU32>::new(room)).trace(batch),
+        TrailRegister::U64 => bvh.by(RestartTrail::<TrailU64>::new(room)).trace(batch),
         TrailRegister::Array | TrailRegister::Auto => {
-            bvh.by(RestartTrail::<ArrayTrail>::new(room)).trace(query, rays, how)
+            bvh.by(RestartTrail::<ArrayTrail>::new(room)).trace(batch)
         }
     })
 }

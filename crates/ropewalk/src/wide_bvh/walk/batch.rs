@@ -1,7 +1,7 @@
 //! Batches of rays, spread over threads where there are any.
 
 use super::{BruteForce, Ordered, restart_trail};
-use crate::batch::{TraceOptions, Traced, Traversal, answer_each};
+use crate::batch::{Batch, Keep, TraceOptions, Traced, Traversal, answer_each};
 use crate::bvh::StackOrder;
 use crate::catalogue::{self, StructureKind};
 use crate::wide_bvh::WideBvh;
@@ -19,11 +19,30 @@ impl WideBvh {
         rays: &[Ray],
         options: TraceOptions,
     ) -> Result<Traced, TraceError> {
-        catalogue::check(StructureKind::WideBvh, walk, query, DeviceKind::Cpu)?;
+        self.trace_batch(walk, Batch { query, rays, options, keep: None })
+    }
+
+    /// Traces a batch by any walk of the catalogue, as if the hits that `keep` does not keep were not there.
+    ///
+    /// # Errors
+    /// As [`Self::trace`].
+    pub fn trace_filtered(
+        &self,
+        walk: Walk,
+        query: Query,
+        rays: &[Ray],
+        options: TraceOptions,
+        keep: Keep<'_>,
+    ) -> Result<Traced, TraceError> {
+        self.trace_batch(walk, Batch { query, rays, options, keep: Some(keep) })
+    }
+
+    fn trace_batch(&self, walk: Walk, batch: Batch<'_>) -> Result<Traced, TraceError> {
+        catalogue::check(StructureKind::WideBvh, walk, batch.query, DeviceKind::Cpu)?;
         match walk {
-            Walk::BruteForce => Ok(self.by(BruteForce).trace(query, rays, options)),
-            Walk::Stack(StackOrder::Ordered) => Ok(self.by(Ordered).trace(query, rays, options)),
-            Walk::RestartTrail(trail) => restart_trail::trace(self, trail, query, rays, options),
+            Walk::BruteForce => Ok(self.by(BruteForce).trace(batch)),
+            Walk::Stack(StackOrder::Ordered) => Ok(self.by(Ordered).trace(batch)),
+            Walk::RestartTrail(trail) => restart_trail::trace(self, trail, batch),
             // The catalogue has refused them.
             _ => Err(CatalogueError(format!("the walk '{walk}' does not go through wide trees")).into()),
         }

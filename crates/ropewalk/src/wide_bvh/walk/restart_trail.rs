@@ -44,28 +44,22 @@
 //! 1.16, 1.09 times as many, which are fewer from one entry on.
 
 use super::{ArrayTrail, HitChildren, Target, Trail, TrailU64, Waiting, WideNodes, WideWalk};
-use crate::batch::Traversal;
+use crate::batch::{Batch, Traversal};
 use crate::bvh::walk::Visitor;
 use crate::bvh::walk::short_stack::ShortStack;
 use crate::catalogue::{TrailOptions, TrailRegister};
 use crate::wide_bvh::WideBvh;
-use crate::{PreparedRay, Query, Ray, TraceError, TraceOptions, Traced};
+use crate::{PreparedRay, TraceError, Traced};
 use std::marker::PhantomData;
 
 /// Traces a batch with the register that was asked for, or the smallest that serves the tree.
-pub(super) fn trace(
-    bvh: &WideBvh,
-    options: TrailOptions,
-    query: Query,
-    rays: &[Ray],
-    how: TraceOptions,
-) -> Result<Traced, TraceError> {
+pub(super) fn trace(bvh: &WideBvh, options: TrailOptions, batch: Batch<'_>) -> Result<Traced, TraceError> {
     let short_stack = options.short_stack;
     Ok(match options.wide_register_for(bvh.report().depth)? {
-        TrailRegister::U64 => bvh.by(RestartTrail::<TrailU64>::new(short_stack)).trace(query, rays, how),
+        TrailRegister::U64 => bvh.by(RestartTrail::<TrailU64>::new(short_stack)).trace(batch),
         // There are no 32 bits for wide trees: the catalogue refuses them.
         TrailRegister::Array | TrailRegister::Auto | TrailRegister::U32 => {
-            bvh.by(RestartTrail::<ArrayTrail>::new(short_stack)).trace(query, rays, how)
+            bvh.by(RestartTrail::<ArrayTrail>::new(short_stack)).trace(batch)
         }
     })
 }
