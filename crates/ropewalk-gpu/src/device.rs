@@ -1,7 +1,10 @@
 //! One way to trace on either device: choose one, prepare a structure on it, trace.
 
 mod lists;
+mod moving;
 mod points;
+
+pub use moving::Moving;
 
 use crate::adapter::{DeviceChoice, discover, select, summaries};
 use crate::{Gpu, GpuError, GpuStructure, Tracer};
@@ -110,6 +113,16 @@ impl Traceable {
     #[must_use]
     pub const fn device(&self) -> &Device {
         &self.device
+    }
+
+    /// The tracer and the uploaded structure, where the device is a graphics adapter: for a
+    /// [`Program`](crate::Program) over the same structure.
+    #[must_use]
+    pub const fn on_gpu(&self) -> Option<(&Tracer, &GpuStructure)> {
+        match (&self.device, &self.uploaded) {
+            (Device::Gpu(tracer), Some(uploaded)) => Some((tracer, uploaded)),
+            _ => None,
+        }
     }
 
     /// Traces a batch.

@@ -118,6 +118,34 @@ pub enum GpuError {
         /// The most there may be.
         limit: usize,
     },
+    /// The items of a program are not whole.
+    #[error("{words} words are no items of {item_words} words each: give whole items to the program")]
+    BrokenItems {
+        /// Words that were given.
+        words: usize,
+        /// Words of an item.
+        item_words: usize,
+    },
+    /// A table has no such words.
+    #[error(
+        "words {first} to {end} are to be written to a table of {there} words: write within it, or make another"
+    )]
+    OutsideTable {
+        /// The first word.
+        first: usize,
+        /// The one behind the last.
+        end: usize,
+        /// The words of the table.
+        there: usize,
+    },
+    /// An item of a program takes more turns than it may.
+    #[error("item {item} is not done after {turns} turns: allow more, or let the program end")]
+    Unfinished {
+        /// The first such item.
+        item: usize,
+        /// The turns that it took.
+        turns: u64,
+    },
     /// wgpu or the driver refused something.
     #[error("the device refused {what}: {reason}")]
     Refused {

@@ -20,6 +20,7 @@
 //! | `gpu` | a device and its queue, ours or the caller's |
 //! | [`shader`] | WGSL files, put together by imports, conditions and text constants |
 //! | `tracer` | a structure in buffers, batches in tiles, answers read back |
+//! | [`Program`] | kernels of a caller's own, which trace rays as they go |
 //! | `device` | one way to trace, and to ask about points, on either device |
 //!
 //! **Agreement with the CPU.** Every kernel is the twin of a walk in [`ropewalk::bvh::walk`],
@@ -45,10 +46,11 @@ mod tracer;
 mod trusted;
 
 pub use adapter::{AdapterSummary, DeviceChoice, adapters};
-pub use device::{Device, OpenedDevice, Traceable};
+pub use device::{Device, Moving, OpenedDevice, Traceable};
 pub use error::GpuError;
 pub use gpu::Gpu;
 pub use tracer::{
-    GpuPoints, GpuStructure, GpuTraced, StructureVersions, Tracer, TracerOptions, UploadReport,
+    GpuPoints, GpuStructure, GpuTraced, Program, ProgramAnswer, ProgramOptions, StructureVersions, Table,
+    Tables, Tracer, TracerOptions, UploadReport,
 };
 pub use wgpu;

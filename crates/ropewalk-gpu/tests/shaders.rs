@@ -5,13 +5,15 @@ use naga::{AddressSpace, Module, Scalar, ScalarKind, TypeInner};
 use ropewalk::bvh::StackOrder;
 use ropewalk::{Query, Walk};
 use ropewalk_gpu::shader::{
-    AssemblyError, Definitions, HeadKernel, Kernel, PointKernel, ShaderLibrary, Tree,
+    AssemblyError, Definitions, HeadKernel, Kernel, PointKernel, ProgramSource, ShaderLibrary, Tree,
 };
 use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
 
 /// What a kernel may use: the limits of a plain WebGPU device.
 const MOST_STORAGE_BUFFERS: usize = 4;
+/// A program has two tables and a scratch besides.
+const MOST_STORAGE_BUFFERS_OF_PROGRAMS: usize = 7;
 const MOST_WORKGROUP_BYTES: u32 = 16 << 10;
 
 #[test]
@@ -104,8 +106,40 @@ fn a_shader_of_ones_own_can_import_the_parts() {
     assert_eq!((error.file.as_str(), error.line), ("own", 1));
 }
 
-/// Parses and validates a shader as a device without any optional feature would, and looks at what it uses.
+/// Every tree with one of its walks, with counters and without.
+#[test]
+fn a_program_is_portable_over_every_tree() {
+    let root = "
+        fn accepts(hit: Hit) -> bool { return table_b[hit.primitive] != 0u; }
+        fn begin(index: u32) {}
+        fn turn(index: u32) -> bool {
+            var collect = new_collect(batch.infinity);
+            collect.ends_early = records[index] != 0u;
+            trace_ray(Ray(vec3<f32>(0.0), 0.0, vec3<f32>(1.0), batch.infinity, table_a[0]), &collect);
+            scratch[scratch_at(index, 0u)] = 1u;
+            results[result_at(index, 0u)] = collect.hit.primitive;
+            return false;
+        }";
+    let program = ProgramSource::new(ShaderLibrary::shipped().with("own", root), "own")
+        .define(&Definitions::new().text("COLLECT", "shared/collect_filtered"));
+    let mut seen = HashSet::new();
+    for kernel in Kernel::every() {
+        if kernel.query == Query::Closest && seen.insert((kernel.tree, kernel.counters)) {
+            let source = program.source(kernel).unwrap();
+            assert_eq!(check_within(&source, MOST_STORAGE_BUFFERS_OF_PROGRAMS), Ok(()), "{}", kernel.label());
+            assert!(check(&source).unwrap_err().contains("7 storage buffers"));
+        }
+    }
+    assert_eq!(seen.len(), 2 * Tree::EVERY.len());
+}
+
+/// A kernel of this crate.
 fn check(source: &str) -> Result<(), String> {
+    check_within(source, MOST_STORAGE_BUFFERS)
+}
+
+/// Parses and validates a shader as a device without any optional feature would, and looks at what it uses.
+fn check_within(source: &str, most_storage_buffers: usize) -> Result<(), String> {
     let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
     let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(&module)
@@ -129,7 +163,7 @@ fn check(source: &str) -> Result<(), String> {
             .filter(move |(handle, variable)| !info[*handle].is_empty() && space(&variable.space))
     };
     let storage = used(|space| matches!(space, AddressSpace::Storage { .. })).count();
-    if storage > MOST_STORAGE_BUFFERS {
+    if storage > most_storage_buffers {
         return Err(format!("{} uses {storage} storage buffers", entry.name));
     }
     let workgroup =

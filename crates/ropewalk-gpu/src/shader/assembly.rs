@@ -41,6 +41,13 @@ impl Definitions {
         self
     }
 
+    /// These and those of another; where both define a name, the other's text counts.
+    #[must_use]
+    pub fn and(mut self, other: &Self) -> Self {
+        self.texts.extend(other.texts.iter().map(|(name, text)| (name.clone(), text.clone())));
+        self
+    }
+
     fn get(&self, name: &str) -> Option<&str> {
         self.texts.get(name).map(String::as_str)
     }

@@ -23,6 +23,7 @@ const SHIPPED: &[(&str, &str)] = shipped![
     "shared/collect_any",
     "shared/collect_count",
     "shared/collect_all",
+    "shared/collect_filtered",
     "shared/bvh",
     "shared/wide_bvh",
     "shared/list_buffers",
@@ -98,6 +99,7 @@ const SHIPPED: &[(&str, &str)] = shipped![
     "kernel/rays",
     "kernel/points",
     "kernel/heads",
+    "kernel/program",
 ];
 
 /// WGSL files by name: a path without its `.wgsl`, such as `shared/ray`.

@@ -7,7 +7,7 @@
 //! | `shaders/kernel` | entry points, and what they write |
 //!
 //! [`ShaderLibrary`] holds the files and assembles them; [`Kernel`], [`PointKernel`] and [`HeadKernel`] name each shipped combination. A caller's
-//! own shader can be [added](ShaderLibrary::with) and import the shared parts and the walks.
+//! own shader can be [added](ShaderLibrary::with) and import the shared parts and the walks; a [`ProgramSource`] runs it.
 
 mod assembly;
 mod constants;
@@ -19,6 +19,7 @@ pub(crate) mod level_layout;
 mod library;
 pub(crate) mod list_layout;
 mod point_kernel;
+mod program;
 mod tree;
 
 pub use assembly::{AssemblyError, Definitions};
@@ -27,4 +28,5 @@ pub use kernel::{BATCH_GROUP, Kernel, STATUS_WRITTEN, STRUCTURE_GROUP};
 pub use library::ShaderLibrary;
 pub(crate) use point_kernel::AnyKernel;
 pub use point_kernel::PointKernel;
+pub use program::{PROGRAM_GROUP, ProgramSource, STATUS_UNFINISHED};
 pub use tree::{LevelBottoms, Tree};

@@ -16,6 +16,7 @@ mod levels;
 mod limits;
 mod pipelines;
 mod points;
+mod program;
 mod records;
 mod results;
 mod shape;
@@ -25,6 +26,7 @@ mod tile;
 mod versions;
 
 pub use points::GpuPoints;
+pub use program::{Program, ProgramAnswer, ProgramOptions, Table, Tables};
 pub use structure::GpuStructure;
 pub use versions::{StructureVersions, UploadReport};
 

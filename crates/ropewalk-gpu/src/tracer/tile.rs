@@ -57,10 +57,52 @@ struct Made {
     clock: Option<Clock>,
 }
 
+/// Measures the time between the beginning and the end of a pass.
 #[derive(Debug)]
-struct Clock {
+pub(super) struct Clock {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
+}
+
+impl Clock {
+    /// A clock, where the device has any.
+    pub(super) fn new(gpu: &Gpu) -> Option<Self> {
+        gpu.has_timestamps().then(|| Self {
+            queries: gpu.device().create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("ropewalk timestamps"),
+                ty: wgpu::QueryType::Timestamp,
+                count: 2,
+            }),
+            resolved: gpu.device().create_buffer(&wgpu::BufferDescriptor {
+                label: Some("ropewalk timestamps"),
+                size: TIMESTAMP_BYTES,
+                usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            }),
+        })
+    }
+
+    /// What the pass must be told.
+    pub(super) const fn writes(&self) -> wgpu::ComputePassTimestampWrites<'_> {
+        wgpu::ComputePassTimestampWrites {
+            query_set: &self.queries,
+            beginning_of_pass_write_index: Some(0),
+            end_of_pass_write_index: Some(1),
+        }
+    }
+
+    /// Copies both times to a place of a buffer.
+    pub(super) fn read_out(&self, encoder: &mut wgpu::CommandEncoder, buffer: &wgpu::Buffer, at: u64) {
+        encoder.resolve_query_set(&self.queries, 0..2, &self.resolved, 0);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, buffer, at, TIMESTAMP_BYTES);
+    }
+
+    /// The time between both.
+    pub(super) fn between(gpu: &Gpu, stamps: &[u8]) -> Duration {
+        let [begin, end]: [u64; 2] = bytemuck::pod_read_unaligned(stamps);
+        let ticks = end.saturating_sub(begin);
+        Duration::from_nanos((ticks as f64 * f64::from(gpu.queue().get_timestamp_period())) as u64)
+    }
 }
 
 impl TileBuffers {
@@ -98,15 +140,7 @@ impl Made {
                 wgpu::BindGroupEntry { binding: 2, resource: uniform.as_entire_binding() },
             ],
         });
-        let clock = gpu.has_timestamps().then(|| Clock {
-            queries: device.create_query_set(&wgpu::QuerySetDescriptor {
-                label: Some("ropewalk timestamps"),
-                ty: wgpu::QueryType::Timestamp,
-                count: 2,
-            }),
-            resolved: buffer("ropewalk timestamps", TIMESTAMP_BYTES, Usage::QUERY_RESOLVE | Usage::COPY_SRC),
-        });
-        Self { ray_bytes, result_bytes, rays, results, readback, uniform, bind_group, clock }
+        Self { ray_bytes, result_bytes, rays, results, readback, uniform, bind_group, clock: Clock::new(gpu) }
     }
 }
 
@@ -150,11 +184,7 @@ impl Tile {
             let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
             encoder.clear_buffer(&made.results, 0, Some(result_bytes));
             {
-                let timestamp_writes = made.clock.as_ref().map(|clock| wgpu::ComputePassTimestampWrites {
-                    query_set: &clock.queries,
-                    beginning_of_pass_write_index: Some(0),
-                    end_of_pass_write_index: Some(1),
-                });
+                let timestamp_writes = made.clock.as_ref().map(Clock::writes);
                 let mut pass =
                     encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
                 pass.set_pipeline(pipeline);
@@ -164,14 +194,7 @@ impl Tile {
             }
             encoder.copy_buffer_to_buffer(&made.results, 0, &made.readback, 0, result_bytes);
             if let Some(clock) = &made.clock {
-                encoder.resolve_query_set(&clock.queries, 0..2, &clock.resolved, 0);
-                encoder.copy_buffer_to_buffer(
-                    &clock.resolved,
-                    0,
-                    &made.readback,
-                    result_bytes,
-                    TIMESTAMP_BYTES,
-                );
+                clock.read_out(&mut encoder, &made.readback, result_bytes);
             }
             let submission = gpu.queue().submit([encoder.finish()]);
             made.readback.slice(..result_bytes + TIMESTAMP_BYTES).map_async(
@@ -192,22 +215,7 @@ impl Tile {
         gpu: &Gpu,
         read: impl FnOnce(&[u32]) -> Result<(), GpuError>,
     ) -> Result<(Option<Duration>, TileBuffers), GpuError> {
-        let wait = wgpu::PollType::Wait { submission_index: Some(self.submission.clone()), timeout: None };
-        gpu.poll(wait)?;
-        // The tile is done. Where another thread polls the same device at the same time, it may have taken the
-        // news of it along and be about to deliver it.
-        let done = Instant::now();
-        loop {
-            match self.mapped.recv_timeout(Duration::from_millis(1)) {
-                Ok(Ok(())) => break,
-                Err(RecvTimeoutError::Timeout) if done.elapsed() < NEWS_TIMEOUT => {
-                    gpu.poll(wgpu::PollType::Poll)?;
-                }
-                Ok(Err(_)) | Err(_) => {
-                    return Err(GpuError::DeviceLost("its results cannot be read back".into()));
-                }
-            }
-        }
+        await_mapped(gpu, &self.submission, &self.mapped)?;
         let range = self.made.readback.slice(..self.result_bytes + TIMESTAMP_BYTES);
         let time = {
             let view = range.get_mapped_range().map_err(|error| GpuError::Refused {
@@ -216,13 +224,32 @@ impl Tile {
             })?;
             let (results, stamps) = view.split_at(self.result_bytes as usize);
             read(bytemuck::cast_slice(results))?;
-            self.made.clock.as_ref().map(|_| {
-                let [begin, end]: [u64; 2] = bytemuck::pod_read_unaligned(stamps);
-                let ticks = end.saturating_sub(begin);
-                Duration::from_nanos((ticks as f64 * f64::from(gpu.queue().get_timestamp_period())) as u64)
-            })
+            self.made.clock.as_ref().map(|_| Clock::between(gpu, stamps))
         };
         self.made.readback.unmap();
         Ok((time, TileBuffers { made: Some(self.made) }))
+    }
+}
+
+/// Waits for a submission and for the news that its results can be read.
+pub(super) fn await_mapped(
+    gpu: &Gpu,
+    submission: &wgpu::SubmissionIndex,
+    mapped: &mpsc::Receiver<Result<(), wgpu::BufferAsyncError>>,
+) -> Result<(), GpuError> {
+    gpu.poll(wgpu::PollType::Wait { submission_index: Some(submission.clone()), timeout: None })?;
+    // The tile is done. Where another thread polls the same device at the same time, it may have taken the
+    // news of it along and be about to deliver it.
+    let done = Instant::now();
+    loop {
+        match mapped.recv_timeout(Duration::from_millis(1)) {
+            Ok(Ok(())) => return Ok(()),
+            Err(RecvTimeoutError::Timeout) if done.elapsed() < NEWS_TIMEOUT => {
+                gpu.poll(wgpu::PollType::Poll)?;
+            }
+            Ok(Err(_)) | Err(_) => {
+                return Err(GpuError::DeviceLost("its results cannot be read back".into()));
+            }
+        }
     }
 }

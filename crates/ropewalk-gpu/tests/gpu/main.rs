@@ -17,6 +17,7 @@ mod levels;
 mod lists;
 mod machine;
 mod points;
+mod programs;
 mod rays;
 mod scenes;
 mod starts;
