@@ -79,7 +79,8 @@ impl From<ropewalk::BuildError> for Failure {
 impl From<ropewalk_scene::LoadError> for Failure {
     fn from(error: ropewalk_scene::LoadError) -> Self {
         match error {
-            ropewalk_scene::LoadError::NoSuchBuiltin { .. } => Self::usage(error),
+            ropewalk_scene::LoadError::NoSuchBuiltin { .. }
+            | ropewalk_scene::LoadError::NoSuchClip { .. } => Self::usage(error),
             _ => Self::failed(error),
         }
     }

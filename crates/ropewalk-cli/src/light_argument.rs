@@ -1,4 +1,4 @@
-//! `--light`: the scene's own lights, a sun, or a point.
+//! `--light`: the scene's own lights, a sun, a point, or even light from everywhere.
 
 use glam::Vec3;
 use ropewalk_render::LightChoice;
@@ -14,17 +14,21 @@ pub(crate) enum LightArgument {
     Sun(Vec3),
     /// A light at this point.
     Point(Vec3),
+    /// This radiance from everywhere and no lamp: what the scene gives off itself is seen beside it.
+    Even(Vec3),
 }
 
 impl FromStr for LightArgument {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let wrong = || "it can be auto, sun:X/Y/Z (the way its light shines) or point:X/Y/Z".to_owned();
+        let wrong =
+            || "it can be auto, sun:X/Y/Z (the way its light shines), point:X/Y/Z or even:R/G/B".to_owned();
         match text.split_once(':') {
             None if text == "auto" => Ok(Self::Automatic),
             Some(("sun", direction)) => point(direction).map(Self::Sun).ok_or_else(wrong),
             Some(("point", position)) => point(position).map(Self::Point).ok_or_else(wrong),
+            Some(("even", radiance)) => point(radiance).map(Self::Even).ok_or_else(wrong),
             _ => Err(wrong()),
         }
     }
@@ -42,6 +46,7 @@ impl LightArgument {
         match self {
             Self::Automatic => LightChoice::Automatic,
             Self::Sun(direction) => LightChoice::Sun(direction),
+            Self::Even(radiance) => LightChoice::Even(radiance),
             Self::Point(position) => {
                 // The renderer scales the lights of a file to a good exposure, so any brightness will do.
                 model.lights = vec![Light::Point { position, color: Vec3::ONE }];
@@ -65,8 +70,10 @@ mod tests {
         assert_eq!("auto".parse(), Ok(LightArgument::Automatic));
         assert_eq!("sun:1/-2/0.5".parse(), Ok(LightArgument::Sun(Vec3::new(1.0, -2.0, 0.5))));
         assert_eq!("point:0/1e3/0".parse(), Ok(LightArgument::Point(Vec3::new(0.0, 1e3, 0.0))));
+        assert_eq!("even:1/1/0.5".parse(), Ok(LightArgument::Even(Vec3::new(1.0, 1.0, 0.5))));
         for bad in [
             "",
+            "even:1",
             "sun",
             "sun:",
             "sun:1/2",

@@ -25,6 +25,14 @@ pub(crate) fn print_json(value: &impl Serialize) -> Result<(), Failure> {
     print(&text)
 }
 
+/// Writes a JSON document as one line to standard output.
+pub(crate) fn print_json_line(value: &impl Serialize) -> Result<(), Failure> {
+    let mut text = serde_json::to_string(value)
+        .map_err(|error| Failure::failed(format!("the result has no JSON form: {error}")))?;
+    text.push('\n');
+    print(&text)
+}
+
 /// Tells the user something that is no result, on standard error. That nobody reads it is no failure.
 pub(crate) fn note(text: &str) {
     let _ = writeln!(io::stderr(), "ropewalk: note: {}", one_line(text));

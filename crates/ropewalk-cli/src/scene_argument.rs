@@ -3,8 +3,8 @@
 use crate::failure::Failure;
 use crate::output::note;
 use crate::progress::Progress;
-use ropewalk_scene::Model;
-use ropewalk_scene::builtin::{NAMES, builtin};
+use ropewalk_scene::builtin::{NAMES, builtin, builtin_animated};
+use ropewalk_scene::{Animated, Model};
 use std::ffi::OsString;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -91,18 +91,36 @@ impl SceneArgument {
         drop(progress);
         Ok(LoadedScene { model, time: start.elapsed() })
     }
+
+    /// Reads the scene with its motion, and tells the user what was left out of it; how long it took.
+    pub(crate) fn load_animated(&self) -> Result<(Animated, Duration), Failure> {
+        self.check()?;
+        let start = Instant::now();
+        let progress = Progress::spinner(format!("reading {self}"));
+        let animated = match self {
+            Self::Builtin(name) => builtin_animated(name)?,
+            Self::File(path) => ropewalk_scene::load::load_animated(path)?,
+        };
+        drop(progress);
+        note_defects(animated.model());
+        Ok((animated, start.elapsed()))
+    }
 }
 
 impl LoadedScene {
     /// Tells the user what was left out of the scene, and what was understood in a way worth knowing.
     pub(crate) fn note_defects(&self) {
-        let report = &self.model.report;
-        for text in &report.notes {
-            note(text);
-        }
-        for row in &report.skipped {
-            note(&format!("left out: {} {} (the first: {})", row.count, row.what, row.first));
-        }
+        note_defects(&self.model);
+    }
+}
+
+/// The same of a model.
+fn note_defects(model: &Model) {
+    for text in &model.report.notes {
+        note(text);
+    }
+    for row in &model.report.skipped {
+        note(&format!("left out: {} {} (the first: {})", row.count, row.what, row.first));
     }
 }
 

@@ -222,6 +222,43 @@ fn two_levels_are_compared_with_one() {
     assert_eq!(std::fs::read_dir(target).unwrap().count(), 5 + 4);
 }
 
+#[test]
+fn frames_of_two_levels_are_put_beside_those_of_one() {
+    let folder = Folder::new();
+    let target = folder.text("tables");
+    let line = format!("lab reichl-table2 builtin:assembly --json -o {target} --size 24 --rounds 0");
+    let document = run(&line).success().json();
+    assert!(document["command"].as_str().unwrap().starts_with("ropewalk lab reichl-table2"));
+    let rows = document["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 4 * 2, "four configurations, two structures");
+    for row in rows {
+        for field in ["scene", "configuration", "structure", "device", "walk"] {
+            assert!(row[field].is_string(), "{field}: {row}");
+        }
+        for field in ["size", "rays", "inner_visits", "primitive_tests", "primitive_tests_relative"] {
+            assert!(row[field].is_number(), "{field}: {row}");
+        }
+        for field in ["frames_per_s", "relative_to_single_kd", "paper_frames_per_s"] {
+            assert!(row[field].is_null(), "nothing was timed, and the paper has no such scene: {row}");
+        }
+    }
+    let primary = document["primary"].as_array().unwrap();
+    assert_eq!(primary.len(), 2);
+    for row in primary {
+        assert_eq!((&row["rays"], &row["different"]), (&(24 * 24).into(), &0.into()), "{row}");
+    }
+    let file = |name: &str| std::fs::read_to_string(format!("{target}/{name}")).unwrap();
+    for name in ["reichl-table2.json", "reichl-table2.csv", "reichl-table2.md", "reichl-table2-primary.csv"] {
+        assert!(file(name).contains("builtin:assembly"), "{name}");
+    }
+    assert_eq!(file("reichl-table2.csv").lines().count(), rows.len() + 1);
+    assert_eq!(std::fs::read_dir(target).unwrap().count(), 4);
+    let text = run("lab reichl-table2 builtin:cubes --size 16 --rounds 1 --threads 1").success().out;
+    for part in ["## builtin:cubes", "### Table 2", "reflect only", "drawn beside traced"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+}
+
 /// Of parts that lie askew in their own space far fewer are entered in oriented boxes.
 #[test]
 fn oriented_boxes_help_turned_parts() {
@@ -313,6 +350,8 @@ fn wrong_words_are_answered_with_the_right_ones() {
         ("two-level --bottom list:cull=exact,directions=6", "one side"),
         ("two-level --rebuild 0", "1..=1000000"),
         ("two-level --camera look:eye=1/2/3", "target=X/Y/Z"),
+        ("reichl-table2 --size 0", "1..=4096"),
+        ("reichl-table2 --camera nowhere builtin:cubes --rounds 0", "nowhere"),
         ("two-level --camera nowhere builtin:cubes --rounds 0", "nowhere"),
     ] {
         run(&format!("lab {words}")).failure(2).mentions(right);
@@ -323,7 +362,7 @@ fn wrong_words_are_answered_with_the_right_ones() {
 fn a_folder_that_cannot_be_made_is_known_before_the_work() {
     let folder = Folder::new();
     let file = folder.write("file", "in the way");
-    for experiment in ["restart-trail", "closest-point", "traversal-lists", "two-level"] {
+    for experiment in ["restart-trail", "closest-point", "traversal-lists", "two-level", "reichl-table2"] {
         run(&format!("lab {experiment} builtin:cubes -o {file}/below")).failure(1).mentions("cannot be made");
         run(&format!("lab {experiment} {file}.ply")).failure(1).mentions("file.ply");
     }

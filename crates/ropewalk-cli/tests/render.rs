@@ -5,8 +5,9 @@ mod support;
 use support::{Folder, has_adapter, run};
 
 fn render(folder: &Folder, name: &str, options: &str) -> Vec<u8> {
-    run(&format!("render builtin:cubes -o {} --size 48x32 --samples 4 {options}", folder.text(name)))
-        .success();
+    // Without metadata, so that only the pictures are compared.
+    let line = "render builtin:cubes --size 48x32 --samples 4 --metadata none";
+    run(&format!("{line} -o {} {options}", folder.text(name))).success();
     std::fs::read(folder.path(name)).unwrap()
 }
 
@@ -106,4 +107,34 @@ fn ctrl_c_keeps_the_rows_that_are_finished() {
     assert!(err.contains("stopped by ctrl-C"), "{err}");
     let kept = if err.contains("a.png holds the ") { vec!["a.png".to_owned()] } else { vec![] };
     assert_eq!(folder.names(), kept, "{err}");
+}
+
+/// The rows that are finished are saved while the others are rendered. The picture is far too large to be finished before.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_is_finished_is_saved_in_between() {
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+    let folder = Folder::new();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_ropewalk"))
+        .args(["render", "builtin:cubes", "--device", "cpu", "--size", "600x4000", "--samples", "256"])
+        .args(["--save-every", "0", "-o", &folder.text("a.png")])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let start = Instant::now();
+    while !folder.path("a.png").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+        assert!(start.elapsed() < Duration::from_secs(200), "nothing is saved");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    // It does not get to clear up what it was about to write.
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let file = std::fs::read(folder.path("a.png")).unwrap();
+    assert!(file.starts_with(b"\x89PNG") && file.ends_with(b"IEND\xae\x42\x60\x82"), "it is whole");
+    run(&format!("render builtin:cubes -o {} --save-every 1 --time 1", folder.text("b.png")))
+        .failure(2)
+        .mentions("--save-every");
 }

@@ -57,6 +57,31 @@ pub enum RenderError {
         /// The bytes that it needs.
         bytes: u64,
     },
+    /// There are more texels than one atlas can hold.
+    #[error(
+        "the textures have {texels} texels, and there is no room for an atlas of them, which may have {most} at most; \
+         make them smaller"
+    )]
+    Textures {
+        /// The texels of all textures.
+        texels: u64,
+        /// How many an atlas can have.
+        most: u64,
+    },
+    /// There are more triangles than the tables for shading can hold.
+    #[error(
+        "the tables for shading need {words} words of 4 bytes, which are not to be had; {most} is the most; leave \
+         objects out, or render with the studio"
+    )]
+    Looks {
+        /// The words that the tables need.
+        words: u64,
+        /// How many they can have.
+        most: u64,
+    },
+    /// Primary hits cannot be drawn.
+    #[error("rasterising failed: {0}")]
+    Raster(String),
     /// The device did not answer.
     #[error("tracing failed: {0}")]
     Trace(#[source] Box<dyn Error + Send + Sync>),

@@ -66,9 +66,9 @@ impl FromStr for Ground {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Catcher {
     pub(crate) instance: u32,
-    center: Vec3,
+    pub(crate) center: Vec3,
     up: Vec3,
-    reach: f32,
+    pub(crate) reach: f32,
 }
 
 impl Catcher {

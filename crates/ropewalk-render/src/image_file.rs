@@ -1,13 +1,12 @@
-//! Pictures into files: PNG (8-bit sRGB) and EXR (32-bit linear, with depth and coverage).
+//! Pictures into files: PNG (8-bit sRGB) and EXR (32-bit linear, with depth, coverage and layers).
 //!
 //! A file is written beside its target under a temporary name and renamed when it is whole, so what stands
 //! under the final name is complete, or what was there before.
 
 use crate::error::ImageError;
 use crate::film::Film;
-use exr::prelude::{Image, LineOrder, SpecificChannels, WritableImage};
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder};
+use crate::metadata::Metadata;
+use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, LineOrder, Text, WritableImage};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -52,40 +51,92 @@ pub fn check(path: &Path) -> Result<ImageFormat, ImageError> {
 /// # Errors
 /// When the file cannot be written, or the bytes are not those of a picture of this size.
 pub fn write_png(path: &Path, width: u32, height: u32, srgb: &[u8]) -> Result<(), ImageError> {
+    write_png_with(path, width, height, srgb, &Metadata::default())
+}
+
+/// Writes bytes, three a pixel, as a PNG that says something about itself.
+///
+/// # Errors
+/// When the file cannot be written, or the bytes are not those of a picture of this size.
+pub fn write_png_with(
+    path: &Path,
+    width: u32,
+    height: u32,
+    srgb: &[u8],
+    metadata: &Metadata,
+) -> Result<(), ImageError> {
     if srgb.len() as u64 != u64::from(width) * u64::from(height) * 3 {
         let what = format!("{} bytes are no picture of {width}x{height}", srgb.len());
         return Err(ImageError::Encode { path: path.into(), what });
     }
+    let encode = |file: &mut BufWriter<NamedTempFile>| {
+        let mut encoder = png::Encoder::new(file, width, height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_compression(png::Compression::Balanced);
+        encoder.set_filter(png::Filter::Adaptive);
+        for (keyword, text) in metadata.pairs() {
+            encoder.add_itxt_chunk(keyword.clone(), text.clone())?;
+        }
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(srgb)?;
+        writer.finish()
+    };
     write(path, |file| {
-        PngEncoder::new_with_quality(file, CompressionType::Default, FilterType::Adaptive)
-            .write_image(srgb, width, height, ExtendedColorType::Rgb8)
-            .map_err(|error| match error {
-                image::ImageError::IoError(source) => ImageError::Io { path: path.into(), source },
-                other => ImageError::Encode { path: path.into(), what: other.to_string() },
-            })
+        encode(file).map_err(|error| match error {
+            png::EncodingError::IoError(source) => ImageError::Io { path: path.into(), source },
+            other => ImageError::Encode { path: path.into(), what: other.to_string() },
+        })
     })
 }
 
-/// Writes a film as an EXR with the channels R, G, B, Z (depth) and coverage.
+/// Writes a film as an EXR with the channels R, G, B, Z (depth) and coverage, and those of its layers.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub fn write_exr(path: &Path, film: &Film) -> Result<(), ImageError> {
-    let width = film.width as usize;
-    let channels = SpecificChannels::build()
-        .with_channel("R")
-        .with_channel("G")
-        .with_channel("B")
-        .with_channel("Z")
-        .with_channel("coverage")
-        .with_pixel_fn(|place| {
-            let index = place.y() * width + place.x();
-            let [r, g, b] = film.color[index];
-            (r, g, b, film.depth[index], film.coverage[index])
-        });
-    let mut image = Image::from_channels((width, film.height as usize), channels);
+    write_exr_with(path, film, &Metadata::default())
+}
+
+/// Writes a film as an EXR that says something about itself: the channels R, G, B, Z (depth) and coverage; with visits the
+/// channel `visits`; with layers `albedo.R` and so on, `normal.X` and so on, and as whole numbers `ids.instance`, `ids.geometry`
+/// and `ids.primitive`, 4294967295 where nothing was hit.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_exr_with(path: &Path, film: &Film, metadata: &Metadata) -> Result<(), ImageError> {
+    let numbers = |plane: Vec<f32>| FlatSamples::F32(plane);
+    let component =
+        |plane: &[[f32; 3]], index: usize| numbers(plane.iter().map(|color| color[index]).collect());
+    let mut channels = vec![
+        AnyChannel::new("R", component(&film.color, 0)),
+        AnyChannel::new("G", component(&film.color, 1)),
+        AnyChannel::new("B", component(&film.color, 2)),
+        AnyChannel::new("Z", numbers(film.depth.clone())),
+        AnyChannel::new("coverage", numbers(film.coverage.clone())),
+    ];
+    if !film.visits.is_empty() {
+        channels.push(AnyChannel::new("visits", numbers(film.visits.clone())));
+    }
+    if let Some(layers) = &film.layers {
+        let names = ["albedo.R", "albedo.G", "albedo.B"].into_iter().zip(0..);
+        channels.extend(names.map(|(name, index)| AnyChannel::new(name, component(&layers.albedo, index))));
+        let names = ["normal.X", "normal.Y", "normal.Z"].into_iter().zip(0..);
+        channels.extend(names.map(|(name, index)| AnyChannel::new(name, component(&layers.normal, index))));
+        let names = ["ids.instance", "ids.geometry", "ids.primitive"].into_iter().zip(0..3);
+        channels.extend(names.map(|(name, index)| {
+            AnyChannel::new(name, FlatSamples::U32(layers.ids.iter().map(|ids| ids[index]).collect()))
+        }));
+    }
+    let size = (film.width as usize, film.height as usize);
+    let channels = AnyChannels::sort(channels.into_iter().collect());
+    let mut image = Image::from_channels(size, channels);
     // Else blocks are written as threads finish them, and equal pictures are unequal files.
     image.layer_data.encoding.line_order = LineOrder::Increasing;
+    if !metadata.pairs().is_empty() {
+        // One attribute for all: several of a caller's own would be written in a random order.
+        image.layer_data.attributes.comments = Text::new_or_none(metadata.lines());
+    }
     write(path, |file| {
         image.write().to_buffered(file).map_err(|error| match error {
             exr::error::Error::Io(source) => ImageError::Io { path: path.into(), source },
@@ -189,6 +240,61 @@ mod tests {
         let component = |index: usize| film.color.iter().map(|color| color[index]).collect::<Vec<_>>();
         assert_eq!((plane("R"), plane("G"), plane("B")), (component(0), component(1), component(2)));
         assert_eq!((plane("Z"), plane("coverage")), (film.depth.clone(), film.coverage.clone()));
+    }
+
+    #[test]
+    fn an_exr_has_the_layers_of_its_film() {
+        use exr::prelude::{ReadChannels, ReadLayers};
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("picture.exr");
+        let mut film = film().with_layers().unwrap();
+        film.visits = vec![3.5; 6];
+        let layers = film.layers.as_mut().unwrap();
+        layers.albedo[2] = [0.1, 0.2, 0.3];
+        layers.normal[2] = [0.0, -1.0, 0.5];
+        layers.ids[2] = [16_777_217, 3, 9];
+        let metadata = Metadata::default().with("Software", "ropewalk").with("Scene", "a\u{e4}");
+        write_exr_with(&path, &film, &metadata).unwrap();
+        let image = exr::prelude::read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .first_valid_layer()
+            .all_attributes()
+            .from_file(&path)
+            .unwrap();
+        let value = |name: &str| {
+            let channel = image.layer_data.channel_data.list.iter().find(|channel| channel.name.eq(name));
+            match &channel.unwrap_or_else(|| panic!("{name}")).sample_data {
+                FlatSamples::F32(values) => f64::from(values[2]),
+                FlatSamples::U32(values) => f64::from(values[2]),
+                FlatSamples::F16(_) => panic!("{name} has lost bits"),
+            }
+        };
+        assert_eq!(["albedo.G", "normal.Y", "visits"].map(value), [f64::from(0.2_f32), -1.0, 3.5]);
+        // Beyond what a f32 counts.
+        assert_eq!(["ids.instance", "ids.primitive"].map(value), [16_777_217.0, 9.0]);
+        assert!(image.layer_data.attributes.comments.is_some());
+    }
+
+    #[test]
+    fn a_png_says_what_it_is_told_to_say() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("picture.png");
+        let metadata = Metadata::default().with("Scene", "H\u{e4}user.obj").with("Size", "1x1");
+        write_png_with(&path, 1, 1, &[1, 2, 3], &metadata).unwrap();
+        let file = std::io::BufReader::new(std::fs::File::open(&path).unwrap());
+        let reader = png::Decoder::new(file).read_info().unwrap();
+        let texts: Vec<(String, String)> = reader
+            .info()
+            .utf8_text
+            .iter()
+            .map(|chunk| (chunk.keyword.clone(), chunk.get_text().unwrap()))
+            .collect();
+        assert_eq!(texts, metadata.pairs());
+        let plain = folder.path().join("plain.png");
+        write_png(&plain, 1, 1, &[1, 2, 3]).unwrap();
+        assert!(std::fs::read(&plain).unwrap() != std::fs::read(&path).unwrap());
     }
 
     #[test]

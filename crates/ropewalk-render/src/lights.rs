@@ -37,6 +37,9 @@ pub enum LightChoice {
     Automatic,
     /// A sun that shines along this direction.
     Sun(Vec3),
+    /// No light but this radiance, the same from all sides: in it, things that send on all light cannot be seen
+    /// (a furnace).
+    Even(Vec3),
 }
 
 impl LightChoice {
@@ -47,6 +50,13 @@ impl LightChoice {
                     setting: "the direction of the sun",
                     value: direction.to_string(),
                     wanted: "it must be three finite numbers, not all 0",
+                })
+            }
+            Self::Even(radiance) if !(radiance.is_finite() && radiance.min_element() >= 0.0) => {
+                Err(RenderError::Setting {
+                    setting: "the radiance from all sides",
+                    value: radiance.to_string(),
+                    wanted: "it must be three finite numbers, none below 0",
                 })
             }
             _ => Ok(()),
@@ -147,6 +157,10 @@ fn way_to_ball(place: Vec3, position: Vec3, radius: f32, square: Vec2) -> Option
 pub(crate) struct Lighting {
     pub(crate) sources: Vec<Source>,
     pub(crate) sky: Sky,
+    /// The radiance from all sides, where that is the only light.
+    pub(crate) even: Option<Vec3>,
+    /// What the lights of the file are multiplied by; `None` where none of them is left.
+    pub(crate) scale: Option<f32>,
     /// Lights of the file that are left out because their numbers are none.
     pub(crate) left_out: usize,
 }
@@ -160,7 +174,12 @@ impl Lighting {
         let softness = if hard { 0.0 } else { 1.0 };
         let sun = |to_light| Source::Sun { to_light, irradiance: SUN, radius: SUN_RADIUS * softness };
         let of_file = &stage.model().lights;
+        let mut of_file_by = None;
         let (mut sources, left_out) = match choice {
+            LightChoice::Even(radiance) => {
+                let sky = Sky { even: Some(*radiance), ..Sky::new(stage.up(), stage.up()) };
+                return Self { sources: Vec::new(), sky, even: Some(*radiance), scale: None, left_out: 0 };
+            }
             LightChoice::Sun(direction) => {
                 (vec![sun(-direction.as_dvec3().normalize_or(-stage.up().as_dvec3()).as_vec3())], 0)
             }
@@ -171,6 +190,7 @@ impl Lighting {
                 let sum: f32 = sources.iter().map(|source| source.at_middle(middle, size).0).sum();
                 let scale = SUN.max_element() / sum;
                 if scale.is_finite() && scale > 0.0 {
+                    of_file_by = Some(scale);
                     (sources.into_iter().map(|source| source.scaled(scale)).collect(), left_out)
                 } else {
                     (Vec::new(), of_file.len())
@@ -195,7 +215,8 @@ impl Lighting {
             .map(|source| source.at_middle(middle, size))
             .reduce(|best, next| if next.0 > best.0 { next } else { best })
             .map_or(stage.up(), |(_, direction)| direction);
-        Self { sources, sky: Sky::new(stage.up(), key), left_out }
+        let sky = Sky::new(stage.up(), key);
+        Self { sources, sky, even: None, scale: of_file_by, left_out }
     }
 }
 
@@ -217,6 +238,11 @@ fn of(light: &Light, size: f32, softness: f32) -> Option<Source> {
         }
         Light::Point { position, color } => (shines(color) && position.is_finite())
             .then_some(Source::Point { position, intensity: color, radius: POINT_RADIUS * size }),
+        Light::Lamp { position, color } => (shines(color) && position.is_finite()).then_some(Source::Lamp {
+            position,
+            irradiance: color,
+            radius: POINT_RADIUS * size,
+        }),
     }
 }
 
@@ -270,7 +296,8 @@ mod tests {
         for unit in [1e-3, 1.0, 1e5] {
             let sun = Light::Sun { direction: Vec3::new(0.0, -3.0, 0.0), color: color * unit };
             let lamp = Light::Point { position: Vec3::new(0.0, 4.0, 0.0), color: color * unit };
-            for lights in [vec![sun.clone()], vec![lamp.clone()], vec![sun, lamp]] {
+            let even = Light::Lamp { position: Vec3::new(0.0, 9.0, 0.0), color: color * unit };
+            for lights in [vec![sun.clone()], vec![lamp.clone()], vec![even.clone()], vec![sun, lamp, even]] {
                 let sum = irradiance(&stage(lights));
                 assert!(sum.distance(color * SUN.x) < 1e-3, "{sum}");
             }

@@ -2,6 +2,7 @@
 
 use crate::film::Film;
 use crate::image_file::{self, ImageFormat};
+use crate::metadata::Metadata;
 use crate::sampling;
 use crate::statistics::Statistics;
 use crate::tone;
@@ -50,13 +51,43 @@ impl Picture {
     /// one step so that soft gradients show no bands; data is shown as it is.
     #[must_use]
     pub fn to_srgb8(&self) -> Vec<u8> {
-        let width = self.film.width as usize;
-        let mut bytes = vec![0; self.film.pixels() * 3];
-        bytes.par_chunks_exact_mut(3).zip(&self.film.color).enumerate().with_min_len(4096).for_each(
+        self.film.to_srgb8(self.view, self.exposure)
+    }
+
+    /// Writes a PNG or an EXR, as the name's ending says; an EXR holds linear light without exposure.
+    ///
+    /// # Errors
+    /// When the ending is unknown or the file cannot be written; then nothing is left under its name.
+    pub fn save(&self, path: &Path) -> Result<(), ImageError> {
+        self.save_with(path, &Metadata::default())
+    }
+
+    /// Writes a file that says something about itself.
+    ///
+    /// # Errors
+    /// As [`Picture::save`].
+    pub fn save_with(&self, path: &Path, metadata: &Metadata) -> Result<(), ImageError> {
+        match image_file::check(path)? {
+            ImageFormat::Png => {
+                let (width, height) = (self.film.width, self.film.height);
+                image_file::write_png_with(path, width, height, &self.to_srgb8(), metadata)
+            }
+            ImageFormat::Exr => image_file::write_exr_with(path, &self.film, metadata),
+        }
+    }
+}
+
+impl Film {
+    /// The film as bytes, three a pixel, sRGB: see [`Picture::to_srgb8`].
+    #[must_use]
+    pub fn to_srgb8(&self, view: View, exposure: f32) -> Vec<u8> {
+        let width = self.width as usize;
+        let mut bytes = vec![0; self.pixels() * 3];
+        bytes.par_chunks_exact_mut(3).zip(&self.color).enumerate().with_min_len(4096).for_each(
             |(index, (pixel, &color))| {
-                let encoded = if self.view == View::Shaded {
+                let encoded = if view == View::Shaded {
                     let threshold = sampling::fraction(((index % width) as u32, (index / width) as u32), 0);
-                    let shown = tone::filmic(Vec3::from(color), self.exposure);
+                    let shown = tone::filmic(Vec3::from(color), exposure);
                     shown.to_array().map(|component| tone::dither_srgb8(component, threshold))
                 } else {
                     color.map(tone::encode_srgb8)
@@ -65,18 +96,5 @@ impl Picture {
             },
         );
         bytes
-    }
-
-    /// Writes a PNG or an EXR, as the name's ending says; an EXR holds linear light without exposure.
-    ///
-    /// # Errors
-    /// When the ending is unknown or the file cannot be written; then nothing is left under its name.
-    pub fn save(&self, path: &Path) -> Result<(), ImageError> {
-        match image_file::check(path)? {
-            ImageFormat::Png => {
-                image_file::write_png(path, self.film.width, self.film.height, &self.to_srgb8())
-            }
-            ImageFormat::Exr => image_file::write_exr(path, &self.film),
-        }
     }
 }

@@ -1,24 +1,34 @@
 //! The render loop: runs of pixels, from the top left, each a batch of primary rays with all that follows.
 
-use crate::begin::Begin;
 use crate::brdf::Finish;
 use crate::camera::{self, Pinhole};
 use crate::error::RenderError;
+use crate::expose::{expose, expose_layers};
 use crate::film::Film;
+use crate::follow::{Follower, Trees};
+use crate::gpu::TreeKernel;
 use crate::ground;
+use crate::integrator::{Integrator, Primary, TreeOrder};
+use crate::kept::{Kept, Tables};
+use crate::light::Lights;
 use crate::lights::Lighting;
+use crate::path::PathTracer;
 use crate::picture::Picture;
-use crate::sampling;
+use crate::primary::{Eye, column_and_row};
+use crate::raster::Drawing;
+use crate::ray_tree::Request;
 use crate::settings::RenderSettings;
-use crate::shade::{self, BROKEN, Place, Shader};
+use crate::shade::Shader;
 use crate::stage::Stage;
 use crate::statistics::Statistics;
 use crate::trace::Trace;
-use crate::view::{self, DATA_BACKGROUND, View};
-use glam::{Vec2, Vec3};
-use rayon::prelude::*;
-use ropewalk::{Answer, CounterTotals, Counters, Hit, Query, Ray, Status, TraceOptions};
-use std::ops::{ControlFlow, Range};
+use crate::tracing::Tracing;
+use crate::view::{self, View};
+use ropewalk::Ray;
+use ropewalk_gpu::{GpuStructure, Traceable};
+use ropewalk_scene::Camera;
+use std::ops::ControlFlow;
+use std::sync::OnceLock;
 use std::time::Instant;
 
 /// Primary rays in a batch: enough to keep a GPU busy, few enough that progress moves and that the places, about
@@ -29,21 +39,33 @@ const BATCH: usize = 1 << 17;
 pub struct Renderer<'a> {
     stage: &'a Stage,
     tracer: &'a dyn Trace,
+    /// The triangles, ready to be drawn, from the first picture on that wants them so.
+    drawing: OnceLock<Drawing<'a>>,
+    kept: Option<&'a Kept>,
+    show: Option<Show<'a>>,
 }
 
-/// What primary rays found.
-struct Seen {
-    rays: Vec<Ray>,
-    hits: Vec<Hit>,
-    status: Vec<Status>,
-    counters: Option<Vec<Counters>>,
-}
+/// Is shown the film of a picture after each batch, and how many rows of it are finished.
+pub type Show<'a> = &'a (dyn Fn(&Film, u32) + Sync);
 
 impl<'a> Renderer<'a> {
     /// A renderer of `stage` on a device that holds the structure built over [`Stage::scene`].
     #[must_use]
     pub fn new(stage: &'a Stage, tracer: &'a dyn Trace) -> Self {
-        Self { stage, tracer }
+        Self { stage, tracer, drawing: OnceLock::new(), kept: None, show: None }
+    }
+
+    /// The same renderer, which takes over what an earlier one has left for this stage in another pose, and leaves its own.
+    #[must_use]
+    pub fn keeping(self, kept: &'a Kept) -> Self {
+        Self { kept: Some(kept), ..self }
+    }
+
+    /// The same renderer, which shows the film while it is being exposed: for previews, and to save what is there now and then.
+    /// Of views that are coloured in the end, such as depth, the film has no colours before.
+    #[must_use]
+    pub fn showing(self, show: Show<'a>) -> Self {
+        Self { show: Some(show), ..self }
     }
 
     /// Renders one picture. `progress` is told, after each batch, how many rows are done and how many there are;
@@ -60,55 +82,75 @@ impl<'a> Renderer<'a> {
         let (width, height) = (settings.width, settings.height);
         let aspect = (f64::from(width) / f64::from(height)) as f32;
         let camera = camera::resolve(&settings.camera, self.stage, self.tracer, settings.walk, aspect)?;
-        let sees_ground = settings.view == View::Shaded
-            && self.stage.catcher().is_some_and(|catcher| catcher.is_seen_from(camera.position));
-        let mask = if sees_ground { Ray::ALL } else { Ray::ALL & !ground::MASK };
-        let pinhole = Pinhole::new(&camera, width, height)?.with_mask(mask);
-        let lighting = Lighting::new(self.stage, &camera, &settings.light, settings.samples == 1);
-        let mut notes = Vec::new();
-        if self.stage.bounds().is_empty() {
-            notes.push("the scene has no triangle that can be seen: the picture shows the background".into());
+        let pinhole = self.pinhole(settings, &camera)?;
+        let lights = Lights::new(self.stage, &camera, &settings.light, settings.samples == 1);
+        let request = Request::new(self.stage, settings);
+        let mut notes = self.notes(&lights);
+        let mut tables = None;
+        if self.needs_looks(settings) {
+            let before = self.kept.and_then(Kept::take);
+            let mut made = Tables::new(self.stage, &lights.words(), &request.words(), before)?;
+            notes.extend(self.make_kernel(settings, &request, &lights, &mut made)?);
+            tables = Some(made);
         }
-        if lighting.left_out > 0 {
-            let what = format!(
-                "{} lights of the file give no light or are no numbers and are left out",
-                lighting.left_out
-            );
-            notes.push(what);
-        }
-        let shader = Shader {
-            stage: self.stage,
-            tracer: self.tracer,
-            walk: settings.walk,
-            lighting,
-            finishes: self.stage.model().materials.iter().map(Finish::new).collect(),
-            samples: settings.samples,
-            ambient_rays_per_sample: settings.ambient_rays_per_sample(),
+        let looks = tables.as_ref().map(|tables| &tables.looks);
+        let tracing = Tracing { tracer: self.tracer, walk: settings.walk, looks };
+        let drawing = if settings.primary == Primary::Rasterised { Some(self.drawing()?) } else { None };
+        let eye = Eye { pinhole, tracing, drawing };
+        let follower = match &tables {
+            _ if settings.view != View::Shaded => Follower::Data(self.stage),
+            Some(tables) if settings.integrator != Integrator::Studio => Follower::Tree(Trees {
+                looks: &tables.looks,
+                lights: &lights,
+                tracing,
+                order: settings.tree.order,
+                request,
+                kernel: self.kernel(settings, tables),
+                paths: (settings.integrator == Integrator::Path)
+                    .then(|| PathTracer::new(self.stage, &lights, settings)),
+            }),
+            _ => Follower::Studio(self.shader(settings, &camera, tracing)),
         };
         let mut film = Film::new(width, height, settings.view == View::Visits)?;
+        if settings.layers {
+            film = film.with_layers()?;
+        }
         let mut statistics = Statistics::default();
         let pixels = film.pixels();
         let run = (BATCH / settings.samples as usize).max(1);
+        let (samples, ground) = (settings.samples as usize, self.stage.ground_instance());
         let mut done = 0;
         let mut partial = false;
         while done < pixels {
             let range = done..(done + run).min(pixels);
-            let seen = self.look(&pinhole, settings, range.clone(), &mut statistics)?;
-            let colors = self.colors(&shader, settings, range.clone(), &seen, &mut statistics)?;
+            let seen = eye.look(settings, range.clone(), &mut statistics)?;
+            let colors = follower.colors(settings, &range, &seen, &mut statistics)?;
             let clock = Instant::now();
-            let (samples, ground) = (settings.samples as usize, self.stage.ground_instance());
             expose(&mut film, range.clone(), samples, ground, &seen, &colors, &mut statistics);
+            if settings.view == View::Shaded && settings.integrator == Integrator::Path && samples > 1 {
+                for (pixel, colors) in range.clone().zip(colors.chunks_exact(samples)) {
+                    statistics.noise.add(column_and_row(pixel, width as usize), colors);
+                }
+            }
+            if let (Some(layers), Some(looks)) = (&mut film.layers, looks) {
+                expose_layers(layers, looks, range.clone(), samples, ground, &seen);
+            }
             statistics.shading_time += clock.elapsed();
             done = range.end;
+            if let Some(show) = self.show.filter(|_| done < pixels) {
+                show(&film, (done / width as usize) as u32);
+            }
             if progress(done / width as usize, height as usize).is_break() && done < pixels {
                 partial = true;
                 break;
             }
         }
-        let legend = view::colorize(settings.view, &mut film);
-        if !statistics.incomplete.is_none() {
-            notes.push(format!("{}; what they were to show is magenta", statistics.incomplete));
+        drop(follower);
+        if let (Some(kept), Some(tables)) = (self.kept, tables) {
+            kept.put(tables);
         }
+        let legend = view::colorize(settings.view, &mut film);
+        notes.extend(statistics.notes(settings.integrator));
         Ok(Picture {
             film,
             view: settings.view,
@@ -122,168 +164,125 @@ impl<'a> Renderer<'a> {
         })
     }
 
-    /// Traces the primary rays of a run of pixels.
-    fn look(
-        &self,
-        pinhole: &Pinhole,
-        settings: &RenderSettings,
-        range: Range<usize>,
-        statistics: &mut Statistics,
-    ) -> Result<Seen, RenderError> {
-        let clock = Instant::now();
-        let (width, samples, side) =
-            (settings.width as usize, settings.samples as usize, settings.samples_per_side());
-        let subpixels: Vec<_> = (0..settings.samples).map(|index| sampling::subpixel(index, side)).collect();
-        let (rays, places): (Vec<Ray>, Vec<Vec2>) = (range.start * samples..range.end * samples)
-            .into_par_iter()
-            .with_min_len(1024)
-            .map(|index| {
-                let (x, y) = column_and_row(index / samples, width);
-                let place = Vec2::new(x as f32, y as f32) + subpixels[index % samples];
-                (pinhole.ray(place), pinhole.part(place))
-            })
-            .unzip();
-        statistics.primary_rays += rays.len() as u64;
-        statistics.shading_time += clock.elapsed();
-        let clock = Instant::now();
-        let options = TraceOptions { counters: settings.view == View::Visits };
-        let begin = Begin::AtEye { screen: &pinhole.screen(), places: &places };
-        let traced = self
-            .tracer
-            .trace_begun(settings.walk, Query::Closest, &rays, &begin, options)
-            .map_err(RenderError::Trace)?;
-        statistics.primary_time += clock.elapsed();
-        let counters = traced.counters;
-        let counted = counters.as_ref().map_or(0, Vec::len);
-        match traced.answer {
-            Answer::Closest(hits)
-                if hits.len() == rays.len()
-                    && traced.status.len() == rays.len()
-                    && (counted == rays.len() || !options.counters) =>
-            {
-                Ok(Seen { rays, hits, status: traced.status, counters })
-            }
-            _ => Err(RenderError::Trace("the device answered another question than was asked".into())),
-        }
+    fn pinhole(&self, settings: &RenderSettings, camera: &Camera) -> Result<Pinhole, RenderError> {
+        let sees_ground = settings.view == View::Shaded
+            && self.stage.catcher().is_some_and(|catcher| catcher.is_seen_from(camera.position));
+        let mask = if sees_ground { Ray::ALL } else { Ray::ALL & !ground::MASK };
+        Ok(Pinhole::new(camera, settings.width, settings.height)?.with_mask(mask))
     }
 
-    /// The colour of every sample of a run of pixels.
-    fn colors(
+    /// Whether the tables for shading are wanted: by trees and paths, by layers, and where materials have holes.
+    fn needs_looks(&self, settings: &RenderSettings) -> bool {
+        let follows = settings.view == View::Shaded && settings.integrator != Integrator::Studio;
+        follows
+            || settings.layers
+            || self.stage.model().materials.iter().any(|material| material.alpha_cutoff > 0.0)
+    }
+
+    /// Makes the kernel for trees ready where one is wanted. Returns a note where another order takes its place.
+    fn make_kernel(
         &self,
-        shader: &Shader<'_>,
         settings: &RenderSettings,
-        range: Range<usize>,
-        seen: &Seen,
-        statistics: &mut Statistics,
-    ) -> Result<Vec<Vec3>, RenderError> {
-        let clock = Instant::now();
-        let (width, samples) = (settings.width as usize, settings.samples as usize);
-        let pixel = |index: usize| column_and_row(range.start + index / samples, width);
-        let behind = |index: usize| match settings.view {
-            View::Shaded => shade::background(pixel(index), settings.width, settings.height),
-            _ => DATA_BACKGROUND,
-        };
-        seen.status.iter().for_each(|&status| statistics.incomplete.count(status));
-        // The places on surfaces; `None` inside for a hit that leads nowhere.
-        let found: Vec<Option<Result<Place, ()>>> = (0..seen.rays.len())
-            .into_par_iter()
-            .with_min_len(1024)
-            .map(|index| {
-                let hit = &seen.hits[index];
-                if !seen.status[index].is_complete() {
-                    return Some(Err(()));
-                }
-                hit.is_hit().then(|| {
-                    let point = self.stage.surface_point(&seen.rays[index], hit).ok_or(())?;
-                    let sample = (index % samples) as u32;
-                    Ok(Place { point, pixel: pixel(index), sample, background: behind(index) })
-                })
-            })
-            .collect();
-        let mut colors = Vec::with_capacity(found.len());
-        let mut places = Vec::new();
-        let mut place_of = Vec::new();
-        let mut lost = 0;
-        for (index, found) in found.into_iter().enumerate() {
-            colors.push(match found {
-                None => behind(index),
-                Some(Err(())) => {
-                    lost += u64::from(seen.status[index].is_complete());
-                    BROKEN
-                }
-                Some(Ok(place)) => match settings.view {
-                    View::Normals => view::normal_color(place.point.normal),
-                    View::Ids => view::id_color(&seen.hits[index]),
-                    View::Depth | View::Visits => Vec3::ZERO,
-                    View::Shaded => {
-                        places.push(place);
-                        place_of.push(index);
-                        Vec3::ZERO
-                    }
-                },
+        request: &Request,
+        lights: &Lights,
+        tables: &mut Tables,
+    ) -> Result<Option<String>, RenderError> {
+        let order = settings.tree.order;
+        let Some((tracer, _)) = self.tracer.traceable().and_then(Traceable::on_gpu) else { return Ok(None) };
+        if settings.view != View::Shaded || settings.integrator != Integrator::RayTree {
+            return Ok(None);
+        }
+        if order == TreeOrder::Recursive {
+            return Err(RenderError::Setting {
+                setting: "the order of rays",
+                value: order.to_string(),
+                wanted: "a graphics adapter does not trace rays one by one; take auto, stack or wavefront, or the \
+                         device cpu",
             });
         }
-        statistics.incomplete.count_lost(lost);
-        statistics.shading_time += clock.elapsed();
-        if !places.is_empty() {
-            for (index, color) in place_of.into_iter().zip(shader.shade(&places, statistics)?) {
-                colors[index] = color;
-            }
+        let most_waiting = request.most_waiting(lights.sources.len());
+        let is_large_enough = |kernel: &TreeKernel| kernel.most_waiting() >= most_waiting;
+        if order == TreeOrder::Wavefront || tables.kernel.as_ref().is_some_and(is_large_enough) {
+            return Ok(None);
         }
-        Ok(colors)
+        match TreeKernel::new(tracer, &tables.looks, most_waiting) {
+            Ok(kernel) => tables.kernel = Some(kernel),
+            Err(error) if order == TreeOrder::Auto => {
+                return Ok(Some(format!(
+                    "rays are followed in waves, since there is no kernel for trees: {error}"
+                )));
+            }
+            Err(error) => return Err(error),
+        }
+        Ok(None)
+    }
+
+    /// The kernel for trees, and the structure on its device, where they are wanted.
+    fn kernel<'b>(
+        &'b self,
+        settings: &RenderSettings,
+        tables: &'b Tables,
+    ) -> Option<(&'b TreeKernel, &'b GpuStructure)> {
+        let is_wanted =
+            settings.integrator == Integrator::RayTree && settings.tree.order != TreeOrder::Wavefront;
+        let kernel = tables.kernel.as_ref().filter(|_| is_wanted)?;
+        let (_, structure) = self.tracer.traceable().and_then(Traceable::on_gpu)?;
+        Some((kernel, structure))
+    }
+
+    /// The triangles, ready to be drawn.
+    fn drawing(&self) -> Result<&Drawing<'a>, RenderError> {
+        if let Some(drawing) = self.drawing.get() {
+            return Ok(drawing);
+        }
+        let drawing = Drawing::new(self.tracer)?;
+        Ok(self.drawing.get_or_init(|| drawing))
+    }
+
+    fn shader<'b>(&'b self, settings: &RenderSettings, camera: &Camera, tracing: Tracing<'b>) -> Shader<'b> {
+        Shader {
+            stage: self.stage,
+            tracing,
+            lighting: Lighting::new(self.stage, camera, &settings.light, settings.samples == 1),
+            finishes: self.stage.model().materials.iter().map(Finish::new).collect(),
+            samples: settings.samples,
+            ambient_rays_per_sample: settings.ambient_rays_per_sample(),
+        }
+    }
+
+    fn notes(&self, lights: &Lights) -> Vec<String> {
+        let mut notes = Vec::new();
+        if self.stage.bounds().is_empty() {
+            notes.push("the scene has no triangle that can be seen: the picture shows the background".into());
+        }
+        if lights.left_out > 0 {
+            let count = lights.left_out;
+            notes
+                .push(format!("{count} lights of the file give no light or are no numbers and are left out"));
+        }
+        notes
     }
 }
 
-/// Writes the means of a run's samples onto the film.
-fn expose(
-    film: &mut Film,
-    range: Range<usize>,
-    samples: usize,
-    ground_instance: Option<u32>,
-    seen: &Seen,
-    colors: &[Vec3],
-    statistics: &mut Statistics,
-) {
-    let share = 1.0 / samples as f32;
-    for (pixel, first) in range.zip((0..).step_by(samples)) {
-        let of_pixel = first..first + samples;
-        let mut sum = Vec3::ZERO;
-        for &color in &colors[of_pixel.clone()] {
-            if color.is_finite() {
-                sum += color;
-            } else {
-                statistics.not_finite += 1;
+impl Statistics {
+    /// What a user must not overlook.
+    fn notes(&self, integrator: Integrator) -> impl Iterator<Item = String> {
+        let incomplete = (!self.incomplete.is_none())
+            .then(|| format!("{}; what they were to show is magenta", self.incomplete));
+        let count = self.cut_by_depth;
+        let too_deep = (count > 0).then(|| match integrator {
+            Integrator::Path => {
+                format!(
+                    "{count} paths ended after the bounces that were asked for; what more would bring is missing"
+                )
             }
-        }
-        film.color[pixel] = (sum * share).to_array();
-        // The ground that only catches shadows counts as background.
-        let model = seen.hits[of_pixel.clone()]
-            .iter()
-            .filter(|hit| hit.is_hit() && Some(hit.instance_index) != ground_instance);
-        film.coverage[pixel] = model.clone().count() as f32 * share;
-        film.depth[pixel] = model.map(|hit| hit.t).fold(f32::INFINITY, f32::min);
-        if let (Some(counters), Some(visits)) = (&seen.counters, film.visits.get_mut(pixel)) {
-            let work: u64 = counters[of_pixel]
-                .iter()
-                .map(|counters| u64::from(counters.inner_visits) + u64::from(counters.primitive_tests))
-                .sum();
-            *visits = work as f32 * share;
-        }
+            Integrator::Studio | Integrator::RayTree => format!(
+                "{count} mirrored or refracted rays would have gone deeper than the bounces that were asked for; the \
+                 surroundings stand in their place"
+            ),
+        });
+        let clipped = (self.clipped > 0)
+            .then(|| format!("{} times light was cut down that would speckle the picture", self.clipped));
+        incomplete.into_iter().chain(too_deep).chain(clipped)
     }
-    if let Some(counters) = &seen.counters {
-        let totals: CounterTotals = counters.iter().collect();
-        let sum = statistics.counters.get_or_insert_default();
-        sum.rays += totals.rays;
-        sum.inner_visits += totals.inner_visits;
-        sum.leaf_visits += totals.leaf_visits;
-        sum.primitive_tests += totals.primitive_tests;
-        sum.restarts += totals.restarts;
-        sum.stack_depth = sum.stack_depth.max(totals.stack_depth);
-        sum.objects_entered += totals.objects_entered;
-    }
-}
-
-/// The column and the row of a pixel.
-fn column_and_row(pixel: usize, width: usize) -> (u32, u32) {
-    ((pixel % width) as u32, (pixel / width) as u32)
 }

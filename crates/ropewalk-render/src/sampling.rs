@@ -47,11 +47,19 @@ pub(crate) fn point(purpose: Purpose, pixel: (u32, u32), index: u32, count: u32)
         Purpose::Light => [[0x91e1_0da5, 0xc13f_a9a9], [0x8cb9_2ba7, 0xd1b5_4a32]],
     };
     let shift = |[x, y]: [u32; 2]| pixel.0.wrapping_mul(x).wrapping_add(pixel.1.wrapping_mul(y));
-    let along = (((u64::from(index) << 32) + (1 << 31)) / u64::from(count.max(1))) as u32;
     Vec2::new(
-        unit(along.wrapping_add(shift(lattice[0]))),
+        unit(along(index, count).wrapping_add(shift(lattice[0]))),
         unit(index.reverse_bits().wrapping_add(shift(lattice[1]))),
     )
+}
+
+/// The middle of part `index` of `count`, as a fraction of 2^32, in words that a GPU has: a long division with two
+/// digits of 16 bits. A count above 65,536 counts as that; there are at most 5,120 samples of a pixel.
+fn along(index: u32, count: u32) -> u32 {
+    let count = count.clamp(1, 1 << 16);
+    let first = ((index % count) << 16) + (1 << 15);
+    let second = (first % count) << 16;
+    ((first / count) << 16) + second / count
 }
 
 /// A number from 0 to 1, below 1: number `index` for one pixel, evenly spread over both.
@@ -62,7 +70,7 @@ pub(crate) fn fraction(pixel: (u32, u32), index: u32) -> f32 {
 }
 
 /// A whole number as a fraction of 2^32, below 1.
-fn unit(bits: u32) -> f32 {
+pub(crate) fn unit(bits: u32) -> f32 {
     // 24 bits are what a f32 holds exactly.
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)
 }
@@ -125,6 +133,17 @@ mod tests {
             assert!((mean - 0.5).abs() < 1e-5, "{side}: {mean}");
             columns.sort_by(f32::total_cmp);
             assert!(columns.windows(2).all(|pair| pair[0] < pair[1]), "no two samples share a column");
+        }
+    }
+
+    #[test]
+    fn the_division_in_words_is_exact() {
+        for count in (1..70).chain([81, 255, 1000, 1024, 4096, 5119, 65_535, 65_536]) {
+            for index in (0..count).step_by(1 + count as usize / 100).chain([count - 1, count, 3 * count + 1])
+            {
+                let wide = ((u64::from(index) << 32) + (1 << 31)) / u64::from(count);
+                assert_eq!(along(index, count), wide as u32, "{index} of {count}");
+            }
         }
     }
 

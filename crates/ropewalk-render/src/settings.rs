@@ -2,6 +2,7 @@
 
 use crate::camera::CameraChoice;
 use crate::error::RenderError;
+use crate::integrator::{Integrator, MOST_BOUNCES, Primary, TreeSettings};
 use crate::lights::LightChoice;
 use crate::view::View;
 use ropewalk::Walk;
@@ -28,6 +29,12 @@ pub struct RenderSettings {
     pub samples: u32,
     /// What the picture shows.
     pub view: View,
+    /// How light is followed.
+    pub integrator: Integrator,
+    /// What a tree of rays follows; of a path its bounces alone.
+    pub tree: TreeSettings,
+    /// How primary hits are found.
+    pub primary: Primary,
     /// How rays go through the structure.
     pub walk: Walk,
     /// From where.
@@ -38,6 +45,8 @@ pub struct RenderSettings {
     pub exposure: f32,
     /// Rays into the sky a pixel, rounded up to a multiple of the samples; 0 lets the sky reach everything.
     pub ambient_rays: u32,
+    /// Whether the film also gets what surfaces are, whatever the light: colour, normal, who they are.
+    pub layers: bool,
 }
 
 impl Default for RenderSettings {
@@ -48,11 +57,15 @@ impl Default for RenderSettings {
             height: 720,
             samples: 9,
             view: View::Shaded,
+            integrator: Integrator::default(),
+            tree: TreeSettings::default(),
+            primary: Primary::default(),
             walk: Walk::default(),
             camera: CameraChoice::default(),
             light: LightChoice::default(),
             exposure: 0.0,
             ambient_rays: 18,
+            layers: false,
         }
     }
 }
@@ -87,6 +100,20 @@ impl RenderSettings {
                 setting: "the number of ambient rays a pixel",
                 value: self.ambient_rays.to_string(),
                 wanted: "it must lie between 0 and 4096",
+            });
+        }
+        if self.tree.bounces > MOST_BOUNCES {
+            return Err(RenderError::Setting {
+                setting: "the number of bounces",
+                value: self.tree.bounces.to_string(),
+                wanted: "it must lie between 0 and 16",
+            });
+        }
+        if !(0.0..1.0).contains(&self.tree.smallest_weight) {
+            return Err(RenderError::Setting {
+                setting: "the smallest weight of a ray",
+                value: self.tree.smallest_weight.to_string(),
+                wanted: "it must lie between 0 and 1, below 1",
             });
         }
         self.light.check()

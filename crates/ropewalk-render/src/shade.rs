@@ -13,27 +13,26 @@ use crate::sky::Sky;
 use crate::stage::Stage;
 use crate::statistics::Statistics;
 use crate::surface::SurfacePoint;
-use crate::trace::Trace;
+use crate::tracing::Tracing;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-use ropewalk::{Answer, Query, Ray, Status, TraceOptions, Walk};
+use ropewalk::{Ray, Status};
 use std::time::Instant;
 
 /// How far the sky's light can be blocked, as a share of the scene's size. Rays have lengths up to this, most of
 /// them much shorter, so that what is near blocks more than what is far: corners are dark, rooms stay light.
-const AMBIENT_REACH: f32 = 0.3;
+pub(crate) const AMBIENT_REACH: f32 = 0.3;
 /// The share of the sky's light that reaches a place none of it reaches straight: what walls throw on.
-const BOUNCED: f32 = 0.25;
+pub(crate) const BOUNCED: f32 = 0.25;
 /// The most radiance of a sample: a highlight may not outweigh all other samples of its pixel.
-const BRIGHTEST: f32 = 6.0;
+pub(crate) const BRIGHTEST: f32 = 6.0;
 /// The colour of what could not be computed. Nobody takes it for a part of the picture.
 pub(crate) const BROKEN: Vec3 = Vec3::new(1.0, 0.0, 1.0);
 
 /// What is shaded with.
 pub(crate) struct Shader<'a> {
     pub(crate) stage: &'a Stage,
-    pub(crate) tracer: &'a dyn Trace,
-    pub(crate) walk: Walk,
+    pub(crate) tracing: Tracing<'a>,
     pub(crate) lighting: Lighting,
     pub(crate) finishes: Vec<Finish>,
     pub(crate) samples: u32,
@@ -219,18 +218,10 @@ impl Shader<'_> {
             return Ok((Vec::new(), Vec::new()));
         }
         let clock = Instant::now();
-        let traced = self
-            .tracer
-            .trace_begun(self.walk, Query::Any, rays, &Begin::OnTriangles(left), TraceOptions::default())
-            .map_err(RenderError::Trace)?;
+        let (blocked, status) = self.tracing.blocked_of(rays, &Begin::OnTriangles(left))?;
         statistics.occlusion_time += clock.elapsed();
-        match traced.answer {
-            Answer::Any(blocked) if blocked.len() == rays.len() && traced.status.len() == rays.len() => {
-                traced.status.iter().for_each(|&status| statistics.incomplete.count(status));
-                Ok((blocked, traced.status))
-            }
-            _ => Err(RenderError::Trace("the device answered another question than was asked".into())),
-        }
+        status.iter().for_each(|&status| statistics.incomplete.count(status));
+        Ok((blocked, status))
     }
 }
 

@@ -10,39 +10,52 @@ const LOWER: Vec3 = Vec3::new(0.19, 0.18, 0.17);
 const HORIZON: Vec3 = Vec3::new(0.82, 0.85, 0.88);
 const ZENITH: Vec3 = Vec3::new(0.36, 0.42, 0.50);
 const LAMP: Vec3 = Vec3::new(1.30, 1.26, 1.18);
+/// How wide a sharp mirror sees the lamp: one less the cosine to its rim.
+pub(crate) const LAMP_SIZE: f32 = 0.10;
 /// The background at the top and at the bottom of the picture.
 const BACKGROUND_TOP: Vec3 = Vec3::new(0.24, 0.28, 0.33);
 const BACKGROUND_BOTTOM: Vec3 = Vec3::new(0.62, 0.635, 0.65);
 
 /// The surroundings of a scene.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sky {
-    up: Vec3,
+    pub(crate) up: Vec3,
     /// To the main light.
-    key: Vec3,
+    pub(crate) key: Vec3,
+    /// Where it is set, the radiance from all sides, instead of the studio.
+    pub(crate) even: Option<Vec3>,
 }
 
 impl Sky {
+    /// What the kernel's twin of [`reflected`](Self::reflected) and [`diffuse`](Self::diffuse) computes with.
+    pub(crate) const COLORS: [Vec3; 5] = [LOWER, UPPER, HORIZON, ZENITH, LAMP];
+
     /// With what is up, and the direction to the main light, both of unit length.
     pub(crate) fn new(up: Vec3, key: Vec3) -> Self {
-        Self { up, key }
+        Self { up, key, even: None }
     }
 
     /// The mean radiance that a matt surface sees.
     pub(crate) fn diffuse(&self, normal: Vec3) -> Vec3 {
+        if let Some(even) = self.even {
+            return even;
+        }
         LOWER.lerp(UPPER, 0.5 + 0.5 * normal.dot(self.up))
     }
 
     /// The radiance that a surface of some roughness sees in its mirror direction.
     pub(crate) fn reflected(&self, direction: Vec3, roughness: f32) -> Vec3 {
+        if let Some(even) = self.even {
+            return even;
+        }
         let height = direction.dot(self.up).clamp(-1.0, 1.0);
         let above = HORIZON.lerp(ZENITH, height.max(0.0).sqrt());
         let blur = 0.06 + 0.7 * roughness;
         let sharp = LOWER.lerp(above, smooth_step(-blur, blur, height));
-        let lamp_size = 0.10 + 0.6 * roughness;
+        let lamp_size = LAMP_SIZE + 0.6 * roughness;
         // The wider the lamp is blurred, the fainter.
-        let lamp =
-            smooth_step(1.0 - lamp_size, 1.0 - 0.3 * lamp_size, direction.dot(self.key)) * (0.10 / lamp_size);
+        let lamp = smooth_step(1.0 - lamp_size, 1.0 - 0.3 * lamp_size, direction.dot(self.key))
+            * (LAMP_SIZE / lamp_size);
         sharp.lerp(self.diffuse(direction), roughness * roughness) + LAMP * lamp
     }
 

@@ -34,6 +34,7 @@ pub struct Stage {
     up: Vec3,
     bounds: Aabb,
     catcher: Option<Catcher>,
+    crease: f32,
 }
 
 impl Stage {
@@ -57,7 +58,7 @@ impl Stage {
         } && is_whole
             && !bounds.is_empty();
         let catcher = wanted.then(|| ground::add(&mut model, up));
-        Self { model, up, bounds, catcher }
+        Self { model, up, bounds, catcher, crease: options.crease }
     }
 
     /// What the structure is built over.
@@ -88,6 +89,16 @@ impl Stage {
     #[must_use]
     pub fn ground_instance(&self) -> Option<u32> {
         self.catcher.as_ref().map(|catcher| catcher.instance)
+    }
+
+    /// The model, to be changed in place.
+    pub(crate) fn model_mut(&mut self) -> &mut Model {
+        &mut self.model
+    }
+
+    /// The largest angle across which faces without normals of their own are shaded as one surface.
+    pub(crate) fn crease(&self) -> f32 {
+        self.crease
     }
 
     pub(crate) fn catcher(&self) -> Option<&Catcher> {

@@ -1,5 +1,6 @@
 //! What a render did: rays by class, time by stage, work of the walk, and what did not come back whole.
 
+use crate::path::Noise;
 use ropewalk::{CounterTotals, Status};
 use std::fmt;
 use std::time::Duration;
@@ -13,9 +14,29 @@ pub struct Statistics {
     pub shadow_rays: u64,
     /// Short rays into the sky.
     pub ambient_rays: u64,
+    /// Rays into mirrors.
+    pub reflected_rays: u64,
+    /// Rays through glass.
+    pub refracted_rays: u64,
+    /// Rays of paths into one direction of many.
+    pub scattered_rays: u64,
+    /// Paths that chance ended; the mean of all is right without what they would have brought.
+    pub ended_by_chance: u64,
+    /// Addends of paths that were cut down in brightness, so that one of them does not speckle the picture.
+    pub clipped: u64,
+    /// How noisy the samples of paths are.
+    pub noise: Noise,
+    /// Rays that were not followed since they would have gone deeper than the bounces that were asked for; the
+    /// surroundings stand in their place.
+    pub cut_by_depth: u64,
+    /// Rays that were not followed since they would have carried too little light.
+    pub cut_by_weight: u64,
+    /// Primary rays that were traced although drawing was asked for, since drawing left open what they hit.
+    pub primary_traced_instead: u64,
     /// Time in which primary rays were traced.
     pub primary_time: Duration,
-    /// Time in which shadow and ambient rays were traced.
+    /// Time in which shadow and ambient rays were traced; for a tree of rays or for paths, in which everything behind the
+    /// primary hits was traced and shaded.
     pub occlusion_time: Duration,
     /// Time for everything else: making rays, shading, film.
     pub shading_time: Duration,
@@ -31,7 +52,12 @@ impl Statistics {
     /// All rays.
     #[must_use]
     pub const fn rays(&self) -> u64 {
-        self.primary_rays + self.shadow_rays + self.ambient_rays
+        self.primary_rays
+            + self.shadow_rays
+            + self.ambient_rays
+            + self.reflected_rays
+            + self.refracted_rays
+            + self.scattered_rays
     }
 }
 
@@ -64,6 +90,15 @@ impl Incomplete {
     pub(crate) fn count_lost(&mut self, rays: u64) {
         self.rays += rays;
         self.no_such_triangle += rays;
+    }
+
+    /// Adds what another count has counted.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.rays += other.rays;
+        self.invalid_ray += other.invalid_ray;
+        self.step_budget += other.step_budget;
+        self.stack_overflow += other.stack_overflow;
+        self.no_such_triangle += other.no_such_triangle;
     }
 
     /// Whether every ray was answered.

@@ -33,6 +33,14 @@ pub enum LoadError {
         /// What is wrong.
         what: String,
     },
+    /// The scene has no clip of that name.
+    #[error("there is no clip '{name}': {known}")]
+    NoSuchClip {
+        /// What was asked for.
+        name: String,
+        /// The clips that there are.
+        known: String,
+    },
     /// There is no built-in scene of that name.
     #[error("there is no built-in scene '{name}'; there is {known}")]
     NoSuchBuiltin {

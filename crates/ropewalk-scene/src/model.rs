@@ -1,5 +1,6 @@
 //! A model: the geometry of a [`ropewalk::Scene`] and how it looks.
 
+use crate::{Material, Texture};
 use glam::{Vec2, Vec3};
 use ropewalk::Scene;
 
@@ -14,10 +15,16 @@ pub struct Model {
     pub surfaces: Vec<Vec<Surface>>,
     /// The materials; never empty in a model that has triangles.
     pub materials: Vec<Material>,
+    /// The pictures that materials name.
+    pub textures: Vec<Texture>,
     /// The cameras of the file, in the scene's space.
     pub cameras: Vec<Camera>,
     /// The lights of the file, in the scene's space.
     pub lights: Vec<Light>,
+    /// The radiance of what rays see that leave the scene, where the file says so.
+    pub background: Option<Vec3>,
+    /// Light that reaches every place alike, where the file says so; materials say how much of it they send on.
+    pub ambient: Option<Vec3>,
     /// Which way is up, where the format or the file says so.
     pub up: Option<Vec3>,
     /// What was read, and what was not.
@@ -82,39 +89,6 @@ impl Default for Surface {
     }
 }
 
-/// What a surface is made of. Colours are linear, not sRGB.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material {
-    /// The name in the file.
-    pub name: String,
-    /// The colour of diffuse reflection, or of metal.
-    pub base_color: Vec3,
-    /// Light given off.
-    pub emissive: Vec3,
-    /// 0 for a mirror-smooth surface, 1 for a matt one.
-    pub roughness: f32,
-    /// 1 for metal.
-    pub metallic: f32,
-    /// The share of light that goes through.
-    pub transmission: f32,
-    /// The index of refraction.
-    pub ior: f32,
-}
-
-impl Default for Material {
-    fn default() -> Self {
-        Self {
-            name: String::new(),
-            base_color: Vec3::splat(0.6),
-            emissive: Vec3::ZERO,
-            roughness: 1.0,
-            metallic: 0.0,
-            transmission: 0.0,
-            ior: 1.5,
-        }
-    }
-}
-
 /// A pinhole camera, in the scene's space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
@@ -145,6 +119,13 @@ pub enum Light {
         /// Where it is.
         position: Vec3,
         /// The intensity: irradiance at distance one.
+        color: Vec3,
+    },
+    /// Light from a point that does not fall with the distance: no lamp does that, but older formats' do.
+    Lamp {
+        /// Where it is.
+        position: Vec3,
+        /// The irradiance on a surface that faces it, at any distance.
         color: Vec3,
     },
 }

@@ -8,9 +8,9 @@ use common::{objects, scene, triangles};
 const SCENES: &[(&str, usize, usize, usize, usize)] = &[
     ("armadillo/armadillo.obj.gz", 86_482, 1, 43_243, 1),
     // The eight cylinders of the museum have 64 triangles each; the triangles that change are an object.
-    ("bart_kitchen/kitchen.aff", 110_561, 6, 63_706, 26),
-    ("bart_museum/museum5.aff", 10_284 + 8 * 64 + 1_024, 2, 8_667, 11),
-    ("bart_robot/Robot.aff", 71_708, 161, 134_127, 62),
+    ("bart_kitchen/kitchen.aff", 110_561, 6, 63_706, 28),
+    ("bart_museum/museum5.aff", 10_284 + 8 * 64 + 1_024, 2, 8_667, 14),
+    ("bart_robot/Robot.aff", 71_708, 161, 134_127, 141),
     ("car_ldraw/car_ldraw.obj", 25_767, 61, 16_909, 7),
     ("chess34_cc0/chess34.obj", 20_648, 34, 10_470, 4),
     ("cornell_box/cornell_box_embree.obj", 34, 7, 76, 3),

@@ -2,6 +2,7 @@
 
 use ropewalk::{BuildError, ChangeError};
 use ropewalk_gpu::GpuError;
+use ropewalk_render::RenderError;
 use thiserror::Error;
 
 /// Why there is no comparison.
@@ -14,6 +15,9 @@ pub enum ComparisonError {
     /// A device failed.
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    /// A picture was not rendered.
+    #[error(transparent)]
+    Render(#[from] RenderError),
     /// A walk gives wrong answers.
     #[error("{walk} on {device}, {structure}, {asked}: {what}")]
     Disagrees {

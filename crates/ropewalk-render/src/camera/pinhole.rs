@@ -85,6 +85,16 @@ impl Pinhole {
         }
     }
 
+    /// The picture plane as it is laid out: the eye; and from it to the upper left corner, one pixel right, one pixel down.
+    pub(crate) const fn plane(&self) -> [Vec3; 4] {
+        [self.position, self.corner, self.right, self.down]
+    }
+
+    /// Which instances the rays see.
+    pub(crate) const fn mask(&self) -> u32 {
+        self.mask
+    }
+
     /// A point of the picture, in pixels, as parts of its width and height.
     pub(crate) fn part(&self, place: Vec2) -> Vec2 {
         place / self.size

@@ -53,13 +53,8 @@ impl Stage {
 
     /// Places an object.
     pub(crate) fn place(&mut self, object: u32, placement: &DAffine3) {
-        let matrix = placement.matrix3;
-        let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec3::as_vec3);
-        let map = Affine3A::from_mat3_translation(
-            Mat3::from_cols(columns[0], columns[1], columns[2]),
-            placement.translation.as_vec3(),
-        );
-        let transform = Transform::new(map).expect("a turn, a shift and a scale above zero can be undone");
+        let transform =
+            Transform::new(affine(placement)).expect("a turn, a shift and a scale above zero can be undone");
         self.model.scene.add_instance(object, transform);
     }
 
@@ -69,6 +64,16 @@ impl Stage {
         self.model.lights.push(sun);
         self.model
     }
+}
+
+/// A placement in f32.
+pub(crate) fn affine(placement: &DAffine3) -> Affine3A {
+    let matrix = placement.matrix3;
+    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec3::as_vec3);
+    Affine3A::from_mat3_translation(
+        Mat3::from_cols(columns[0], columns[1], columns[2]),
+        placement.translation.as_vec3(),
+    )
 }
 
 /// A camera that looks from a point at another one.

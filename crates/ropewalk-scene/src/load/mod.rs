@@ -16,8 +16,9 @@ mod polygon;
 mod source;
 mod stl;
 mod text;
+mod textures;
 
-use crate::{LoadError, Model};
+use crate::{Animated, LoadError, Model};
 use format::Format;
 use source::Source;
 use std::path::Path;
@@ -37,6 +38,33 @@ pub fn load(path: &Path) -> Result<Model, LoadError> {
 /// When the content is of no known format or malformed, or a file that the scene needs cannot be read.
 pub fn load_bytes(path: &Path, bytes: Vec<u8>) -> Result<Model, LoadError> {
     load_source(&Source::from_bytes(path, bytes)?)
+}
+
+/// Loads a scene with its motion. Of formats that have none the scene stands still.
+///
+/// The model is as when its first clip begins. It may differ in this from that of [`load`], and in that what is flattened to
+/// nothing at the time is hidden, not left out.
+///
+/// # Errors
+/// When [`load`] would refuse the file.
+pub fn load_animated(path: &Path) -> Result<Animated, LoadError> {
+    animated_source(&Source::open(path)?)
+}
+
+/// The same from the content of a file, as [`load_bytes`].
+///
+/// # Errors
+/// When [`load_bytes`] would refuse it.
+pub fn load_animated_bytes(path: &Path, bytes: Vec<u8>) -> Result<Animated, LoadError> {
+    animated_source(&Source::from_bytes(path, bytes)?)
+}
+
+fn animated_source(source: &Source) -> Result<Animated, LoadError> {
+    match Format::of(source)? {
+        Format::Aff => aff::load_animated(source),
+        Format::Gltf => gltf::load_animated(source),
+        Format::Obj | Format::Ply | Format::Stl => load_source(source).map(Animated::still),
+    }
 }
 
 fn load_source(source: &Source) -> Result<Model, LoadError> {

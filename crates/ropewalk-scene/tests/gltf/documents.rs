@@ -213,7 +213,7 @@ fn materials_and_their_default() {
     assert_eq!(model.surfaces[0][0].materials, MaterialAssignment::One(2));
     let notes = model.report.notes.join("\n");
     assert!(
-        notes.contains("not read: KHR_materials_sheen\n") && notes.contains("transparent by alpha"),
+        notes.contains("not read: KHR_materials_sheen\n") && notes.contains("blended by alpha"),
         "{notes}"
     );
 }

@@ -6,7 +6,9 @@ mod common;
 mod broken;
 mod documents;
 mod make;
+mod motion;
 mod odd;
+mod pictures;
 mod scenes;
 
 use ropewalk_scene::Model;

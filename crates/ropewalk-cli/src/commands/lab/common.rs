@@ -201,6 +201,7 @@ pub(super) fn not_compared(name: &str, error: ComparisonError) -> Failure {
     match error {
         ComparisonError::Build(error @ BuildError::Option { .. }) => error.into(),
         ComparisonError::Gpu(error) => error.into(),
+        ComparisonError::Render(error) => error.into(),
         ComparisonError::Stopped => {
             Failure::failed(format!("{name}: stopped by ctrl-C: the scenes before are kept"))
         }

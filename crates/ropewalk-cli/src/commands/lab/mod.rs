@@ -2,6 +2,7 @@
 
 mod closest_point;
 mod common;
+mod reichl_table2;
 mod restart_trail;
 mod traversal_lists;
 mod two_level;
@@ -16,10 +17,12 @@ Examples:
   ropewalk lab closest-point bunny.ply -o bunny
   ropewalk lab traversal-lists bunny.ply dragon.ply -o lists
   ropewalk lab two-level engine.glb car.glb -o levels
+  ropewalk lab reichl-table2 Robot.aff kitchen.aff -o table2
   ropewalk lab restart-trail --help
   ropewalk lab closest-point --help
   ropewalk lab traversal-lists --help
-  ropewalk lab two-level --help";
+  ropewalk lab two-level --help
+  ropewalk lab reichl-table2 --help";
 
 /// The arguments of `ropewalk lab`.
 #[derive(Args, Debug)]
@@ -40,6 +43,8 @@ enum Experiment {
     TraversalLists(traversal_lists::Arguments),
     /// What two levels cost beside one, and how fast the top level is rebuilt (Reichl et al. 2010)
     TwoLevel(two_level::Arguments),
+    /// Frames a second of two levels beside one, by how much light is followed (Reichl et al. 2010, Table 2)
+    ReichlTable2(reichl_table2::Arguments),
 }
 
 /// Runs the command.
@@ -49,5 +54,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Experiment::ClosestPoint(arguments) => closest_point::run(arguments),
         Experiment::TraversalLists(arguments) => traversal_lists::run(arguments),
         Experiment::TwoLevel(arguments) => two_level::run(arguments),
+        Experiment::ReichlTable2(arguments) => reichl_table2::run(arguments),
     }
 }

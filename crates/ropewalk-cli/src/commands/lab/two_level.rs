@@ -202,7 +202,9 @@ fn light(stage: &Stage, camera: &Camera) -> Vec3 {
     let bounds = stage.bounds();
     let (center, size) = (bounds.center(), bounds.size());
     match stage.model().lights.first() {
-        Some(Light::Point { position, .. }) if position.is_finite() => return *position,
+        Some(Light::Point { position, .. } | Light::Lamp { position, .. }) if position.is_finite() => {
+            return *position;
+        }
         Some(Light::Sun { direction, .. }) => {
             if let Some(direction) = direction.try_normalize() {
                 return center - direction * (100.0 * size.length());

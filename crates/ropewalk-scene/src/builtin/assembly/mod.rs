@@ -12,6 +12,7 @@ mod fasteners;
 mod fittings;
 mod gear;
 mod housing;
+mod motion;
 mod palette;
 mod shafts;
 mod teeth;
@@ -20,6 +21,7 @@ mod train;
 use super::shape::Solid;
 use super::shape::primitives::ground_square;
 use super::stage::{Stage, camera};
+use crate::animation::Animated;
 use crate::{Light, Model};
 use bearing::Bearing;
 use fasteners::{dowel_pin, hexagon_bolt, hexagon_nut, key, socket_screw, washer, washer_height};
@@ -27,8 +29,10 @@ use fittings::{CAP, CAP_SCREW, CRANK_WIDTH, PLATE, PLATE_SCREW};
 use gear::{Body, Gear};
 use glam::{DAffine3, DVec3, Vec3};
 use housing::{BOSS_END, END, FEET_BOTTOM, FEET_TOP, FLANGE_BOLT, FLANGE_HEIGHT, FOOT_BOLT};
+use motion::{Machine, Mount, Shaft};
 use palette::{BLUED, BRIGHT, BRONZE, DARK, GROUND, STEEL, ZINC};
 use std::f64::consts::PI;
+use std::sync::Arc;
 use train::{FIRST_STAGE_Z, INPUT_X, MIDDLE_X, OUTPUT_X, SECOND_STAGE_Z};
 
 /// How far the input shaft is turned, in radians.
@@ -39,9 +43,21 @@ const PAD: f64 = 0.05;
 
 /// The scene.
 pub(crate) fn assembly() -> Model {
+    build().0
+}
+
+/// The scene with its motion.
+pub(crate) fn animated() -> Animated {
+    let (model, machine) = build();
+    Animated::new(model, vec![motion::clip()], Arc::new(machine))
+}
+
+fn build() -> (Model, Machine) {
     let mut assembly = Assembly {
         stage: Stage::new(palette::materials()),
         lift: DAffine3::from_translation(DVec3::Y * (PAD - FEET_BOTTOM)),
+        mount: Mount::FIXED,
+        parts: Vec::new(),
     };
     assembly.housing();
     assembly.train();
@@ -53,16 +69,39 @@ pub(crate) fn assembly() -> Model {
     assembly.crank();
     let ground = assembly.stage.flat_part("ground", &ground_square(40.0, GROUND));
     assembly.stage.place(ground, &DAffine3::IDENTITY);
-    assembly.stage.finish(
-        camera("three-quarter", [-5.4, 6.2, 9.4], [0.02, 1.5, 0.2], 29.0),
-        Light::Sun { direction: Vec3::new(0.66, -1.0, -0.55), color: Vec3::new(1.0, 0.95, 0.86) * 2.6 },
-    )
+    let target = [0.02, 1.5, 0.2];
+    let camera = camera("three-quarter", [-5.4, 6.2, 9.4], target, 29.0);
+    let light =
+        Light::Sun { direction: Vec3::new(0.66, -1.0, -0.55), color: Vec3::new(1.0, 0.95, 0.86) * 2.6 };
+    let machine = Machine {
+        lift: assembly.lift,
+        parts: assembly.parts,
+        others: vec![DAffine3::IDENTITY],
+        camera: camera.clone(),
+        light: light.clone(),
+        target: target.into(),
+    };
+    (assembly.stage.finish(camera, light), machine)
 }
+
+/// How far parts go when the machine comes apart: what lies in the trough is lifted out of it, the cover above that; then all
+/// slides along the shafts, what sits further out further.
+const TRAIN_UP: f64 = 1.4;
+const COVER_UP: f64 = 3.2;
+const GEAR_OFF: f64 = 1.6;
+const BEARING_OFF: f64 = 2.3;
+const CAP_OFF: f64 = 1.2;
+const CRANK_OFF: f64 = 3.3;
+const KEY_OUT: f64 = 0.35;
 
 /// The machine in the making.
 struct Assembly {
     stage: Stage,
     lift: DAffine3,
+    /// How what is placed now is held.
+    mount: Mount,
+    /// What was placed, without the lift.
+    parts: Vec<(DAffine3, Mount)>,
 }
 
 /// A shift along the shafts from a place in the plane across them.
@@ -83,6 +122,7 @@ fn upward() -> DAffine3 {
 impl Assembly {
     fn place(&mut self, object: u32, placement: DAffine3) {
         self.stage.place(object, &(self.lift * placement));
+        self.parts.push((placement, self.mount));
     }
 
     fn single(&mut self, name: &str, solid: &Solid, placement: DAffine3) {
@@ -92,14 +132,18 @@ impl Assembly {
 
     fn housing(&mut self) {
         self.single("housing trough", &housing::trough(), DAffine3::IDENTITY);
+        self.mount = Mount::still(0.0, COVER_UP, 0.0);
         self.single("housing cover, cut", &housing::cover(), DAffine3::IDENTITY);
     }
 
     /// Shafts, gears and keys: all that turns.
     fn train(&mut self) {
         let angles = train::angles(INPUT_ANGLE);
+        self.mount = Mount::on(Shaft::Input, TRAIN_UP, 0.0);
         self.single("input shaft", &shafts::input(), on_shaft(INPUT_X, angles.input, 0.0));
+        self.mount = Mount::on(Shaft::Middle, TRAIN_UP, 0.0);
         self.single("middle shaft", &shafts::middle(), on_shaft(MIDDLE_X, angles.middle, 0.0));
+        self.mount = Mount::on(Shaft::Output, TRAIN_UP, 0.0);
         self.single("output shaft", &shafts::output(), on_shaft(OUTPUT_X, angles.output, 0.0));
         let pinion = Gear {
             teeth: train::INPUT_PINION,
@@ -128,7 +172,10 @@ impl Assembly {
             },
             paint: (BRONZE, BRONZE),
         };
+        // Off the back ends of their shafts.
+        self.mount = Mount::on(Shaft::Input, TRAIN_UP, -GEAR_OFF);
         self.single("helical pinion", &pinion.solid(), on_shaft(INPUT_X, angles.input, FIRST_STAGE_Z));
+        self.mount = Mount::on(Shaft::Middle, TRAIN_UP, -GEAR_OFF);
         self.single("helical wheel", &wheel.solid(), on_shaft(MIDDLE_X, angles.middle, FIRST_STAGE_Z));
         let pinion = Gear {
             teeth: train::MIDDLE_PINION,
@@ -156,16 +203,22 @@ impl Assembly {
             },
             paint: (STEEL, BRIGHT),
         };
+        // Off the front ends.
+        self.mount = Mount::on(Shaft::Middle, TRAIN_UP, GEAR_OFF);
         self.single("spur pinion", &pinion.solid(), on_shaft(MIDDLE_X, angles.middle, SECOND_STAGE_Z));
+        self.mount = Mount::on(Shaft::Output, TRAIN_UP, GEAR_OFF);
         self.single("spur wheel", &wheel.solid(), on_shaft(OUTPUT_X, angles.output, SECOND_STAGE_Z));
         let small = self.stage.part("key 9 mm", &key(0.09, 0.5, 0.2, 0.32, DARK));
+        self.mount = Mount::on(Shaft::Input, TRAIN_UP, 0.0).pulled(KEY_OUT);
         self.place(small, on_shaft(INPUT_X, angles.input, FIRST_STAGE_Z));
+        self.mount = Mount::on(Shaft::Middle, TRAIN_UP, 0.0).pulled(KEY_OUT);
         self.place(small, on_shaft(MIDDLE_X, angles.middle, SECOND_STAGE_Z + 0.16));
         self.single(
             "key 10 mm",
             &key(0.1, 0.56, 0.22, 0.345, DARK),
             on_shaft(MIDDLE_X, angles.middle, FIRST_STAGE_Z),
         );
+        self.mount = Mount::on(Shaft::Output, TRAIN_UP, 0.0).pulled(KEY_OUT);
         self.single(
             "key 12 mm",
             &key(0.12, 0.8, 0.29, 0.434, DARK),
@@ -176,17 +229,24 @@ impl Assembly {
     fn bearings(&mut self) {
         let angles = train::angles(INPUT_ANGLE);
         for (name, bearing, shafts) in [
-            ("6310", Bearing::SMALL, vec![(INPUT_X, angles.input), (MIDDLE_X, angles.middle)]),
-            ("6313", Bearing::LARGE, vec![(OUTPUT_X, angles.output)]),
+            (
+                "6310",
+                Bearing::SMALL,
+                vec![(Shaft::Input, INPUT_X, angles.input), (Shaft::Middle, MIDDLE_X, angles.middle)],
+            ),
+            ("6313", Bearing::LARGE, vec![(Shaft::Output, OUTPUT_X, angles.output)]),
         ] {
             let inner = self.stage.part(&format!("bearing {name} inner ring"), &bearing.inner_ring());
             let outer = self.stage.part(&format!("bearing {name} outer ring"), &bearing.outer_ring());
             let cage = self.stage.part(&format!("bearing {name} cage half"), &bearing.cage_half());
             let ball = self.stage.part(&format!("bearing {name} ball"), &bearing.ball());
-            for (x, angle) in shafts {
+            for (shaft, x, angle) in shafts {
                 for side in [-1.0, 1.0] {
                     let z = side * (housing::INSIDE + 0.19);
+                    let away = |further: f64| side * (BEARING_OFF + further);
+                    self.mount = Mount::on(shaft, TRAIN_UP, away(0.0));
                     self.place(inner, on_shaft(x, angle, z));
+                    self.mount = Mount::still(0.0, TRAIN_UP, away(0.5));
                     if bearing == Bearing::LARGE && side > 0.0 {
                         // Cut open, so that one sees the balls run.
                         let name = format!("bearing {name} outer ring, cut");
@@ -195,7 +255,9 @@ impl Assembly {
                         self.place(outer, on_shaft(x, 0.0, z));
                     }
                     // Balls and cage roll: they turn by the share of the inner ring's way that falls to it.
-                    let rolled = angle * bearing.bore / (bearing.bore + bearing.outer);
+                    let share = bearing.bore / (bearing.bore + bearing.outer);
+                    let rolled = angle * share;
+                    self.mount = Mount::rolling(shaft, share, TRAIN_UP, away(0.25));
                     self.place(cage, on_shaft(x, rolled, z));
                     self.place(cage, on_shaft(x, rolled, z) * DAffine3::from_rotation_x(PI));
                     for place in bearing.ball_places(rolled) {
@@ -205,7 +267,9 @@ impl Assembly {
             }
         }
         let sleeve = self.stage.part("spacer sleeve", &Bearing::SMALL.spacer(0.14));
+        self.mount = Mount::on(Shaft::Input, TRAIN_UP, BEARING_OFF - 0.3);
         self.place(sleeve, at(INPUT_X, 0.0, 0.79));
+        self.mount = Mount::on(Shaft::Middle, TRAIN_UP, BEARING_OFF - 0.3);
         self.place(sleeve, at(MIDDLE_X, 0.0, 0.79));
     }
 
@@ -224,11 +288,16 @@ impl Assembly {
             // Nobody tightens all heads to one direction.
             let turn = DAffine3::from_rotation_z(1.3 * i as f64);
             let level = |y: f64| at(place.x, y, place.y) * upward();
+            self.mount = Mount::still(0.0, COVER_UP + 0.3, 0.0);
             self.place(ring, level(FLANGE_HEIGHT));
+            self.mount = Mount::still(0.0, COVER_UP + 0.7, 0.0);
             self.place(bolt, level(FLANGE_HEIGHT + thick) * turn);
+            self.mount = Mount::still(0.0, -0.3, 0.0);
             self.place(ring, level(-FLANGE_HEIGHT - thick));
+            self.mount = Mount::still(0.0, -0.6, 0.0);
             self.place(nut, level(-FLANGE_HEIGHT - thick - 1.6 * FLANGE_BOLT) * turn);
         }
+        self.mount = Mount::still(0.0, 0.6, 0.0);
         let pin = self.stage.part("dowel pin", &dowel_pin(0.038, 0.34, BRIGHT));
         for place in housing::flange_pins() {
             self.place(pin, at(place.x, -0.02, place.y) * upward());
@@ -243,8 +312,11 @@ impl Assembly {
         let pad = self.stage.part("rubber pad", &fittings::pad(PAD));
         for (i, place) in housing::foot_bolts().into_iter().enumerate() {
             let turn = DAffine3::from_rotation_z(0.9 * i as f64);
+            self.mount = Mount::still(0.0, 0.35, 0.0);
             self.place(ring, at(place.x, FEET_TOP, place.y) * upward());
+            self.mount = Mount::still(0.0, 0.7, 0.0);
             self.place(bolt, at(place.x, FEET_TOP + thick, place.y) * upward() * turn);
+            self.mount = Mount::FIXED;
             self.place(pad, at(place.x, FEET_BOTTOM - PAD, place.y - 0.13 * place.y.signum()) * upward());
         }
     }
@@ -263,7 +335,10 @@ impl Assembly {
             (large, Bearing::LARGE, back(OUTPUT_X)),
             (half, Bearing::SMALL, front),
         ] {
+            let side = if cap == half { 1.0 } else { -1.0 };
+            self.mount = Mount::still(0.0, 0.0, side * CAP_OFF);
             self.place(cap, place);
+            self.mount = Mount::still(0.0, 0.0, side * (CAP_OFF + 0.5));
             for spot in fittings::cap_screws(&bearing) {
                 if cap == half && spot.y > 0.0 {
                     continue;
@@ -275,6 +350,7 @@ impl Assembly {
 
     /// Plates, plugs and glasses on the housing.
     fn fittings(&mut self) {
+        self.mount = Mount::still(0.0, 0.0, 0.8);
         self.single("sight glass", &fittings::sight_glass(), at(-2.42, -1.12, END));
         self.single("drain plug", &fittings::plug(), at(0.2, -1.52, END));
         self.single("name plate", &fittings::name_plate(), at(-1.45, -1.42, END));
@@ -283,11 +359,14 @@ impl Assembly {
         let rise = housing::cover_height(x + 0.3) - housing::cover_height(x - 0.3);
         let slope = DAffine3::from_rotation_z(rise.atan2(0.6));
         let roof = |x: f64, z: f64| at(x, housing::cover_height(x), z) * slope * upward();
+        self.mount = Mount::still(0.0, COVER_UP + 0.6, 0.0);
         self.single("inspection plate", &fittings::inspection_plate(), roof(x, z));
+        self.mount = Mount::still(0.0, COVER_UP + 1.0, 0.0);
         let screw = self.stage.part("socket screw M6", &socket_screw(PLATE_SCREW, 0.1, BLUED));
         for spot in fittings::plate_screws() {
             self.place(screw, roof(x, z) * at(spot.x, spot.y, PLATE));
         }
+        self.mount = Mount::still(0.0, COVER_UP + 0.6, 0.0);
         self.single("breather", &fittings::breather(), roof(-0.6, -0.8));
         let eye = self.stage.part("lifting eye", &fittings::lifting_eye());
         self.place(eye, roof(1.35, -0.65) * DAffine3::from_rotation_z(0.5));
@@ -297,7 +376,9 @@ impl Assembly {
     fn crank(&mut self) {
         let angles = train::angles(INPUT_ANGLE);
         let crank = on_shaft(INPUT_X, angles.input + PI * 0.86, 1.58);
+        self.mount = Mount::on(Shaft::Input, TRAIN_UP, CRANK_OFF);
         self.single("crank arm", &fittings::crank_arm(), crank);
+        self.mount = Mount::on(Shaft::Input, TRAIN_UP, CRANK_OFF + 0.6);
         self.single(
             "crank grip",
             &fittings::crank_grip(),
@@ -305,7 +386,9 @@ impl Assembly {
         );
         let front = 1.58 + CRANK_WIDTH + 0.05;
         let shaft = |z: f64| on_shaft(INPUT_X, angles.input, z);
+        self.mount = Mount::on(Shaft::Input, TRAIN_UP, CRANK_OFF + 0.6);
         self.single("washer 26", &washer(shafts::CRANK_THREAD, ZINC), shaft(front));
+        self.mount = Mount::on(Shaft::Input, TRAIN_UP, CRANK_OFF + 0.9);
         let nut = hexagon_nut(shafts::CRANK_THREAD, BLUED);
         self.single("nut M26", &nut, shaft(front + washer_height(shafts::CRANK_THREAD)));
     }

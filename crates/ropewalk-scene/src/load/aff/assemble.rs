@@ -7,7 +7,7 @@ use super::shape::{Shape, Values};
 use crate::load::placement::Placement;
 use crate::{LoadReport, Model};
 use glam::{Affine3A, DAffine3, DVec3, Vec3};
-use ropewalk::{Transform, TransformError};
+use ropewalk::{Instance, Transform, TransformError};
 
 /// An object on its way into the model.
 struct Object {
@@ -16,28 +16,70 @@ struct Object {
     standing: Standing,
 }
 
+/// What becomes of an instance whose transform cannot be undone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unplaceable {
+    /// It is left out and counted.
+    LeftOut,
+    /// It is hidden: at other times it has a place.
+    Hidden,
+}
+
+/// A model, and where its parts come from.
+#[derive(Debug)]
+pub(super) struct Assembled {
+    pub(super) model: Model,
+    /// The animated block in which each instance stands.
+    pub(super) nodes: Vec<Option<usize>>,
+    /// The objects of triangles with keys, and the block of each.
+    pub(super) deforming: Vec<(u32, Option<usize>, Vec<Deforming>)>,
+    /// What is left of the document: all that moves.
+    pub(super) document: Document,
+}
+
 /// Makes the model of a time.
-pub(super) fn assemble(mut document: Document, time: f64) -> Model {
+pub(super) fn assemble(document: Document, time: f64) -> Model {
+    let mut assembled = assemble_whole(document, time, Unplaceable::LeftOut);
+    let tracks: usize = assembled.document.keyframes.values().map(Keyframes::tracks).sum();
+    let triangles: usize = assembled.deforming.iter().map(|(.., triangles)| triangles.len()).sum();
+    let rows = [(tracks, "keyframe tracks"), (triangles, "animated triangles")];
+    let rows = rows.into_iter().filter(|&(count, _)| count > 0);
+    let notes = rows.map(|(count, what)| format!("{count} {what}: shown as at time {time}"));
+    assembled.model.report.notes.splice(0..0, notes);
+    assembled.model
+}
+
+/// Makes the model of a time, and keeps what moves it.
+pub(super) fn assemble_whole(mut document: Document, time: f64, unplaceable: Unplaceable) -> Assembled {
     let standings = document.standings(time);
     let rigid = std::mem::take(&mut document.rigid);
     let deforming = std::mem::take(&mut document.deforming);
-    let deforming_count = deforming.iter().map(|(_, triangles)| triangles.len()).sum();
-    let deforming = deforming.into_iter().map(|(node, triangles)| (node, deformed(&triangles, time)));
-    let objects: Vec<Object> = rigid
-        .into_iter()
-        .chain(deforming)
-        .filter(|(_, part)| !part.triangles.is_empty())
-        .map(|(node, part)| Object { node, part, standing: standing(&standings, node) })
-        .collect();
+    let object =
+        |(node, part): (Option<usize>, Part)| Object { node, part, standing: standing(&standings, node) };
+    let is_full = |(_, part): &(Option<usize>, Part)| !part.triangles.is_empty();
+    let mut objects: Vec<Object> = rigid.into_iter().filter(is_full).map(object).collect();
+    let mut deforming_objects = Vec::new();
+    for (node, triangles) in deforming {
+        let part = (node, deformed(&triangles, time));
+        if is_full(&part) {
+            deforming_objects.push((objects.len() as u32, node, triangles));
+            objects.push(object(part));
+        }
+    }
 
     let origin = Placement::of(objects.iter().flat_map(Object::positions_in_world)).origin;
-    let middle = middle(&objects);
     let mut model = Model { up: Some(Vec3::Y), ..Model::default() };
     model.scene.origin = origin;
     model.report = std::mem::take(&mut document.report);
     model.materials = std::mem::take(&mut document.materials);
+    std::mem::take(&mut document.pictures).finish(&mut model);
+    (model.background, model.ambient) = document.surroundings(&model.report.format);
+    let mut nodes = Vec::with_capacity(objects.len());
     for object in objects {
-        place(&document, object, origin, &mut model);
+        let node = object.node;
+        place(&document, object, origin, unplaceable, &mut model);
+        // One that is left out has none.
+        nodes.resize(model.scene.instances.len(), node);
     }
     let camera_track = document.keyframes.get("camera");
     if let Some(view) = &document.view {
@@ -49,14 +91,14 @@ pub(super) fn assemble(mut document: Document, time: f64) -> Model {
     }
     for light in &document.lights {
         let track = light.name().and_then(|name| document.keyframes.get(name));
-        let at = light.at(time, track, &standing(&standings, light.node), middle, origin);
+        let at = light.at(time, track, &standing(&standings, light.node), origin);
         if at.is_none() {
             model.report.skip("lights that cannot be placed", String::new);
         }
         model.lights.extend(at);
     }
-    note_what_is_not_read(&document, time, deforming_count, &mut model.report);
-    model
+    note_what_is_not_read(&document, &mut model.report);
+    Assembled { model, nodes, deforming: deforming_objects, document }
 }
 
 impl Object {
@@ -64,16 +106,6 @@ impl Object {
         let to_world = self.standing.to_world;
         self.part.positions.iter().map(move |&at| to_world.transform_point3(at))
     }
-}
-
-/// Where the vertices are on average.
-fn middle(objects: &[Object]) -> DVec3 {
-    let (mut sum, mut count) = (DVec3::ZERO, 0.0);
-    for position in objects.iter().flat_map(Object::positions_in_world).filter(|at| at.is_finite()) {
-        sum += position;
-        count += 1.0;
-    }
-    if count > 0.0 && sum.is_finite() { sum / count } else { DVec3::ZERO }
 }
 
 /// Triangles with keys as they are at a time.
@@ -89,6 +121,7 @@ fn deformed(triangles: &[Deforming], time: f64) -> Part {
                 indices: vec![[0, 1, 2]],
             }),
             coordinates: None,
+            texture: None,
         };
         // There are fewer of them than bytes in memory: they cannot be too many.
         if part.add(&shape, to_node, *material).is_err() {
@@ -99,7 +132,7 @@ fn deformed(triangles: &[Deforming], time: f64) -> Part {
 }
 
 /// Adds an object with its instance. What stands in no animated block is stored as it stands in the world.
-fn place(document: &Document, object: Object, origin: DVec3, model: &mut Model) {
+fn place(document: &Document, object: Object, origin: DVec3, unplaceable: Unplaceable, model: &mut Model) {
     let Object { node, part, standing } = object;
     let name = node.and_then(|node| document.nodes.get(node)).map_or("", |node| node.path.as_str());
     let placement = Placement { origin: if node.is_some() { DVec3::ZERO } else { origin } };
@@ -117,6 +150,10 @@ fn place(document: &Document, object: Object, origin: DVec3, model: &mut Model) 
                 instance.mask = 0;
             }
         }
+        Err(_) if unplaceable == Unplaceable::Hidden => {
+            let hidden = Instance { mask: 0, ..Instance::new(index, Transform::IDENTITY) };
+            model.scene.instances.push(hidden);
+        }
         Err(TransformError::NotFinite) => {
             model.report.skip("objects whose transform is not finite", || name.into());
         }
@@ -126,21 +163,15 @@ fn place(document: &Document, object: Object, origin: DVec3, model: &mut Model) 
     }
 }
 
-fn transform(to_world: &DAffine3, origin: DVec3) -> Result<Transform, TransformError> {
+pub(super) fn transform(to_world: &DAffine3, origin: DVec3) -> Result<Transform, TransformError> {
     let translation = (to_world.translation - origin).as_vec3();
     Transform::new(Affine3A::from_mat3_translation(to_world.matrix3.as_mat3(), translation))
 }
 
-fn note_what_is_not_read(document: &Document, time: f64, deforming: usize, report: &mut LoadReport) {
-    let tracks: usize = document.keyframes.values().map(Keyframes::tracks).sum();
-    let at = format!("shown as at time {time}");
+fn note_what_is_not_read(document: &Document, report: &mut LoadReport) {
     let rows = [
-        (tracks, "keyframe tracks", at.as_str()),
-        (deforming, "animated triangles", at.as_str()),
-        (document.textures.len(), "textures", "not read; surfaces keep their plain colours"),
         (document.spheres, "spheres", "made of triangles, with 32 sides"),
         (document.cones, "cones", "made of triangles, with 32 sides"),
-        (document.lights.len(), "lights", "fall off with distance; in the file they do not"),
     ];
     let rows = rows.into_iter().filter(|&(count, ..)| count > 0);
     report.notes.extend(rows.map(|(count, what, fate)| format!("{count} {what}: {fate}")));

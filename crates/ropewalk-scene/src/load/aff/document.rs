@@ -3,9 +3,10 @@
 use super::animation::{AnimatedTriangle, Keyframes};
 use super::looks::{PlacedLight, View};
 use super::part::Part;
+use crate::load::textures::Textures;
 use crate::{LoadReport, Material};
-use glam::DAffine3;
-use std::collections::{BTreeSet, HashMap};
+use glam::{DAffine3, DVec3, Vec3};
+use std::collections::HashMap;
 
 /// The statements of a file and of those that it includes.
 #[derive(Debug, Default)]
@@ -20,9 +21,15 @@ pub(super) struct Document {
     pub(super) keyframes: HashMap<String, Keyframes>,
     pub(super) lights: Vec<PlacedLight>,
     pub(super) view: Option<View>,
-    /// When the animation starts.
+    /// When the animation starts, when it ends, and how many frames it has; 0 where the file does not say.
     pub(super) start: f64,
-    pub(super) textures: BTreeSet<String>,
+    pub(super) end: f64,
+    pub(super) frames: u32,
+    /// The names of pictures; those of materials are indices into it until [`pictures::read`](super::pictures::read).
+    pub(super) textures: Vec<String>,
+    pub(super) pictures: Textures,
+    pub(super) background: Option<DVec3>,
+    pub(super) ambient: Option<DVec3>,
     pub(super) spheres: usize,
     pub(super) cones: usize,
     pub(super) report: LoadReport,
@@ -62,6 +69,14 @@ impl Standing {
 }
 
 impl Document {
+    /// The radiance of the background and the ambient light, where the file does not say: none, and 1. NFF knows no
+    /// ambient light; what its surfaces send on is a tenth, as that of shapes without material.
+    pub(super) fn surroundings(&self, format: &str) -> (Option<Vec3>, Option<Vec3>) {
+        let ambient = self.ambient.unwrap_or(DVec3::splat(if format == "NFF" { 0.1 } else { 1.0 }));
+        let light = |color: DVec3| Some(color.as_vec3().clamp(Vec3::ZERO, Vec3::MAX));
+        (light(self.background.unwrap_or(DVec3::ZERO)), light(ambient))
+    }
+
     /// Where each animated block stands at a time.
     pub(super) fn standings(&self, time: f64) -> Vec<Standing> {
         let mut standings: Vec<Standing> = Vec::with_capacity(self.nodes.len());

@@ -67,10 +67,11 @@ impl Finish {
             .map(|value| (value + 0.0).to_bits())
     }
 
-    /// What a model has a place for: ambient light and the colour of highlights have none. Values out of their range
-    /// are brought into it.
+    /// The material of a model. Values out of their range are brought into it. The colour of the highlight serves as that
+    /// of the mirror too, as ray tracers of the benchmark have it; where it is black nothing is said of mirrors.
     pub(super) fn material(&self, name: String) -> Material {
         let share = |value: f64| value.clamp(0.0, 1.0) as f32;
+        let color = |color: DVec3| Vec3::from(color.to_array().map(share));
         // The exponent belongs to the mirrored ray; one that belongs to the half vector is four times as large.
         let exponent = 4.0 * self.shine.max(0.0);
         let is_shiny = self.specular.max_element() > 0.0;
@@ -82,7 +83,10 @@ impl Finish {
         };
         Material {
             name,
-            base_color: Vec3::from(self.diffuse.to_array().map(share)),
+            base_color: color(self.diffuse),
+            specular: is_shiny.then(|| color(self.specular)),
+            mirrors_sharply: is_shiny,
+            ambient: Some(color(self.ambient)),
             roughness: if is_shiny { (2.0 / (exponent + 2.0)).powf(0.25) as f32 } else { 1.0 },
             transmission: share(self.transmittance),
             ior: ior.min(f32::MAX),
@@ -121,22 +125,20 @@ impl PlacedLight {
         self.name.as_deref()
     }
 
-    /// The light at a time, or `None` where it cannot be placed. Lights of the format do not fall off with distance,
-    /// those of a model do: this one is as bright as the file says at `middle`.
+    /// The light at a time, or `None` where it cannot be placed. Lights of the format do not fall off with distance.
     pub(super) fn at(
         &self,
         time: f64,
         keyframes: Option<&Keyframes>,
         standing: &Standing,
-        middle: DVec3,
         origin: DVec3,
     ) -> Option<Light> {
         let track = keyframes.and_then(|keyframes| keyframes.translation.as_ref());
         let position = track.map_or(self.position, |track| track.at(time));
         let position = (standing.to_world * self.to_node).transform_point3(position);
-        let color = (self.color.max(DVec3::ZERO) * position.distance_squared(middle)).as_vec3();
+        let color = self.color.max(DVec3::ZERO).as_vec3();
         let position = (position - origin).as_vec3();
-        (position.is_finite() && color.is_finite()).then_some(Light::Point { position, color })
+        (position.is_finite() && color.is_finite()).then_some(Light::Lamp { position, color })
     }
 }
 

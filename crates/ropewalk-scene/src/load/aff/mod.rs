@@ -11,10 +11,14 @@
 //!   polygons cut as those of all formats.
 //! * **Includes** are read relative to the file that includes them, gzipped or not, as often as they stand there.
 //!   A file that is missing is an error.
-//! * **Looks.** Diffuse colours, roughness after the highlight's exponent, transmittance, normals, texture coordinates,
-//!   the camera and the lights come along. Textures, ambient light and the colour of highlights do not.
+//! * **Looks.** A material with a picture on it is another material than without. The colour of the highlight is also
+//!   what mirrors ([`looks`]). Pictures are read from `TextureFiles` beside the main file ([`pictures`]) and multiply the
+//!   diffuse colour; their first row lies at `v = 0`. The camera, the lights, the background and the ambient light come
+//!   along.
 //! * **NFF** of other programs may leave away the last numbers of a material, and write more behind it and behind
 //!   spheres. Sense8's NFF is another format and is refused.
+//! * **Motion** ([`motion`]) is that of the tracks, from key to key, as the benchmark's own programs have it ([`track`]): of
+//!   objects, the camera, lights with a name, and animated triangles.
 //!
 //! The cost is one pass over the text with its includes unfolded, and one over the triangles. How much a file may
 //! unfold to is limited ([`budget`]), and so are the depths of includes ([`includes`]) and blocks ([`blocks`]).
@@ -27,8 +31,10 @@ mod document;
 mod includes;
 mod keyframes;
 mod looks;
+mod motion;
 mod parse;
 mod part;
+mod pictures;
 mod quaternion;
 mod round;
 mod shape;
@@ -39,11 +45,16 @@ mod track;
 mod scene_tests;
 
 use super::source::Source;
-use crate::{LoadError, Model};
+use crate::{Animated, LoadError, Model};
 
 /// Reads an AFF or NFF file, with what it includes, as at the start of its animation.
 pub(crate) fn load(source: &Source) -> Result<Model, LoadError> {
     let document = parse::parse(source)?;
     let time = document.start;
     Ok(assemble::assemble(document, time))
+}
+
+/// Reads an AFF or NFF file, with what it includes, and all its motion.
+pub(crate) fn load_animated(source: &Source) -> Result<Animated, LoadError> {
+    Ok(motion::animated(parse::parse(source)?))
 }

@@ -11,12 +11,12 @@ use super::includes::Includes;
 use super::keyframes;
 use super::looks::{Finish, PlacedLight, View};
 use super::part::Part;
-use super::round;
 use super::shape::{Shape, ShapeReader, animated_triangle};
 use super::tokens::Tokens;
-use crate::LoadError;
+use super::{pictures, round};
 use crate::load::source::Source;
 use crate::load::text::quoted;
+use crate::{LoadError, Material, TextureUse};
 use std::collections::HashMap;
 
 /// All words that begin a statement.
@@ -35,6 +35,7 @@ pub(super) fn parse(source: &Source) -> Result<Document, LoadError> {
     let Parser { mut document, blocks, shapes, first_guess, .. } = parser;
     document.nodes = blocks.into_nodes();
     document.textures = shapes.textures;
+    document.pictures = pictures::read(source, &mut document);
     if let Some(first) = first_guess {
         let guesses = shapes.guesses;
         document.report.notes.push(format!(
@@ -70,9 +71,9 @@ struct Parser {
     finish: Finish,
     /// Where it was set.
     finish_place: String,
-    /// Its index, once a shape uses it.
-    material: Option<u32>,
-    material_of: HashMap<[u64; 12], u32>,
+    /// Its index, once a shape uses it, and the picture on that.
+    material: Option<(Option<u32>, u32)>,
+    material_of: HashMap<([u64; 12], Option<u32>), u32>,
     level: u32,
     rigid_of: HashMap<Option<usize>, usize>,
     deforming_of: HashMap<Option<usize>, usize>,
@@ -123,12 +124,12 @@ impl Parser {
                 self.document.view = Some(View::read(tokens, place)?);
             }
             b"l" | b"la" => self.light(tokens, word == b"la")?,
-            // The colours of the background and of the light from everywhere.
-            b"b" | b"am" => drop(tokens.vector()?),
+            b"b" => self.document.background = Some(tokens.vector()?),
+            b"am" => self.document.ambient = Some(tokens.vector()?),
             b"a" => {
                 self.document.start = tokens.number()?;
-                tokens.number()?;
-                tokens.integer()?;
+                self.document.end = tokens.number()?;
+                self.document.frames = tokens.integer()?;
             }
             b"fm" => {
                 let place = tokens.place();
@@ -205,15 +206,20 @@ impl Parser {
         self.material = None;
     }
 
-    /// The index of the current material. The first place of equal ones gives them their name.
-    fn material(&mut self) -> u32 {
+    /// The index of the current material with a picture. The first place of equal ones gives them their name.
+    fn material(&mut self, texture: Option<u32>) -> u32 {
+        if let Some((_, material)) = self.material.filter(|&(current, _)| current == texture) {
+            return material;
+        }
         let Self { document, finish, finish_place, material_of, .. } = self;
-        *self.material.get_or_insert_with(|| {
-            *material_of.entry(finish.key()).or_insert_with(|| {
-                document.materials.push(finish.material(finish_place.clone()));
-                document.materials.len() as u32 - 1
-            })
-        })
+        let material = *material_of.entry((finish.key(), texture)).or_insert_with(|| {
+            let base_color_texture = texture.map(TextureUse::plain);
+            let material = finish.material(finish_place.clone());
+            document.materials.push(Material { base_color_texture, ..material });
+            document.materials.len() as u32 - 1
+        });
+        self.material = Some((texture, material));
+        material
     }
 
     fn stored_shape(&mut self, tokens: &Tokens<'_>, shape: &Shape) -> Result<(), LoadError> {
@@ -238,7 +244,7 @@ impl Parser {
         if shape.triangles.is_empty() {
             return Ok(());
         }
-        let material = self.material();
+        let material = self.material(shape.texture);
         let Place { node, to_node } = self.blocks.here();
         let rigid = &mut self.document.rigid;
         let index = *self.rigid_of.entry(node).or_insert_with(|| {
@@ -254,7 +260,7 @@ impl Parser {
         let triangle = animated_triangle(tokens)?;
         self.take(tokens, size_of::<Deforming>() + size_of_val(triangle.0.as_slice()))?;
         self.document.report.vertices += 3;
-        let material = self.material();
+        let material = self.material(None);
         let Place { node, to_node } = self.blocks.here();
         let deforming = &mut self.document.deforming;
         let index = *self.deforming_of.entry(node).or_insert_with(|| {

@@ -147,7 +147,7 @@ fn offset(count: usize, more: usize, what: &str) -> Result<u32, String> {
 }
 
 /// The inverse transpose times the size of the determinant: it has a value for flat maps too.
-fn normal_matrix(linear: &DMat3) -> DMat3 {
+pub(super) fn normal_matrix(linear: &DMat3) -> DMat3 {
     let cofactors = DMat3::from_cols(
         linear.y_axis.cross(linear.z_axis),
         linear.z_axis.cross(linear.x_axis),

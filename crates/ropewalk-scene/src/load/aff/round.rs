@@ -86,7 +86,7 @@ fn faced(
         triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
     }
     let normals = Some(Values { values: normals, indices: triangles.clone() });
-    Shape { positions, triangles, normals, coordinates: None }
+    Shape { positions, triangles, normals, ..Shape::default() }
 }
 
 #[cfg(test)]

@@ -384,3 +384,58 @@ fn single_tracks_have_the_values_that_are_known() {
         }
     }
 }
+
+/// The first instance or vertex that is not where it is in a model of the time itself.
+fn pose_difference(name: &str, times: &[f64]) -> Option<String> {
+    let animated = super::motion::animated(document(name)?);
+    let span = animated.span().expect("it moves");
+    for &time in times {
+        let mut posed = animated.model().clone();
+        animated.pose(time).unwrap().apply(&mut posed);
+        let expected = assemble(document(name)?, time);
+        if posed.cameras != expected.cameras {
+            return Some(format!("{:?} at {time}", posed.cameras));
+        }
+        if posed.scene.instances != expected.scene.instances {
+            return Some(format!("instances at {time}"));
+        }
+        let place = |light: &crate::Light| match *light {
+            crate::Light::Point { position, .. } | crate::Light::Lamp { position, .. } => position,
+            crate::Light::Sun { direction, .. } => direction,
+        };
+        assert!(posed.lights.iter().map(place).eq(expected.lights.iter().map(place)));
+        if posed.scene.objects != expected.scene.objects || posed.surfaces != expected.surfaces {
+            return Some(format!("shapes at {time}"));
+        }
+        assert!(animated.pose(time).unwrap() == animated.pose(time).unwrap());
+        // The other way round the comparison must object, where anything moves.
+        let other = assemble(document(name)?, span.start);
+        if time != span.start && other.scene == posed.scene {
+            return Some(format!("nothing moves by {time}"));
+        }
+    }
+    None
+}
+
+#[test]
+fn poses_are_what_assembling_a_time_makes() {
+    for (name, times) in [
+        (ROBOT, &[0.0, 12.5, 37.5, 50.0][..]),
+        (KITCHEN, &[0.0, 7.165, 12.34, 19.8]),
+        (MUSEUM, &[-1.0, 0.5, 2.5, 3.9]),
+    ] {
+        assert_eq!(pose_difference(name, times), None, "{name}");
+    }
+}
+
+#[test]
+fn spans_are_the_files() {
+    for (name, start, end, frames, instances) in
+        [(ROBOT, 0.0, 50.0, 800, 161), (KITCHEN, 0.0, 20.0, 800, 6), (MUSEUM, -1.0, 5.0, 300, 2)]
+    {
+        let Some(document) = document(name) else { return };
+        let animated = super::motion::animated(document);
+        assert_eq!(animated.span(), Some(crate::Span { start, end, frames }), "{name}");
+        assert_eq!(animated.model().scene.instances.len(), instances, "{name}");
+    }
+}

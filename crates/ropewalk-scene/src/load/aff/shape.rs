@@ -6,6 +6,7 @@ use crate::LoadError;
 use crate::load::polygon::Cutter;
 use crate::load::text::quoted;
 use glam::{DVec2, DVec3};
+use std::collections::HashMap;
 
 /// Triangles between vertices. All indices lead somewhere.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,6 +16,8 @@ pub(super) struct Shape {
     /// Of any length but NaN.
     pub(super) normals: Option<Values<DVec3>>,
     pub(super) coordinates: Option<Values<DVec2>>,
+    /// The picture on it: an index into the names that the reader keeps.
+    pub(super) texture: Option<u32>,
 }
 
 /// Values at corners: three indices a triangle.
@@ -27,21 +30,28 @@ pub(super) struct Values<T> {
 /// What a statement needs to be read.
 pub(super) struct ShapeReader {
     cutter: Cutter,
-    /// The textures that are named.
-    pub(super) textures: std::collections::BTreeSet<String>,
+    /// The textures that are named, in the order of their first use.
+    pub(super) textures: Vec<String>,
+    texture_of: HashMap<String, u32>,
     /// Polygons that became fans though they are concave.
     pub(super) guesses: usize,
 }
 
 impl ShapeReader {
     pub(super) fn new() -> Self {
-        Self { cutter: Cutter::new(), textures: std::collections::BTreeSet::new(), guesses: 0 }
+        Self { cutter: Cutter::new(), textures: Vec::new(), texture_of: HashMap::new(), guesses: 0 }
     }
 
-    fn texture(&mut self, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
+    fn texture(&mut self, tokens: &mut Tokens<'_>) -> Result<u32, LoadError> {
         let name = tokens.name("the name of a texture")?;
-        self.textures.insert(name);
-        Ok(())
+        if let Some(&texture) = self.texture_of.get(&name) {
+            return Ok(texture);
+        }
+        // A name takes more than one byte of a file: there cannot be too many.
+        let texture = self.textures.len() as u32;
+        self.textures.push(name.clone());
+        self.texture_of.insert(name, texture);
+        Ok(texture)
     }
 
     /// `m`: lists of vertices, normals and texture coordinates, and triangles that index each of them.
@@ -52,10 +62,10 @@ impl ShapeReader {
         if tokens.take(b"normals") {
             normals = Some(rows(tokens, 3, "normals", Tokens::vector)?);
         }
-        let mut coordinates = None;
+        let (mut coordinates, mut texture) = (None, None);
         if tokens.take(b"texturecoords") {
             let count = tokens.count(2, "texture coordinates")?;
-            self.texture(tokens)?;
+            texture = Some(self.texture(tokens)?);
             coordinates = Some(read_rows(tokens, count, Tokens::pair)?);
         }
         let what = "'triangles', or 'normals' or 'texturecoords' before them,";
@@ -78,7 +88,7 @@ impl ShapeReader {
                 coordinates.indices.push(three_indices(tokens, known, "texture coordinate")?);
             }
         }
-        Ok(Shape { positions, triangles, normals, coordinates })
+        Ok(Shape { positions, triangles, normals, coordinates, texture })
     }
 
     /// `p`: a polygon; `pp`: one with a normal at each corner.
@@ -110,8 +120,8 @@ impl ShapeReader {
         tokens: &mut Tokens<'_>,
         has_normals: bool,
     ) -> Result<Shape, LoadError> {
-        self.texture(tokens)?;
-        let mut shape = Shape { triangles: vec![[0, 1, 2]], ..Shape::default() };
+        let texture = Some(self.texture(tokens)?);
+        let mut shape = Shape { triangles: vec![[0, 1, 2]], texture, ..Shape::default() };
         let (mut normals, mut coordinates) = (Vec::new(), Vec::new());
         for _ in 0..3 {
             shape.positions.push(tokens.vector()?);

@@ -137,7 +137,9 @@ impl<'b, const WIDTH: usize> Accessor<'b, WIDTH> {
         let wanted = match WIDTH {
             1 => "SCALAR",
             2 => "VEC2",
-            _ => "VEC3",
+            3 => "VEC3",
+            4 => "VEC4",
+            _ => "MAT4",
         };
         if accessor.kind != wanted {
             return Err(malformed(format!("its type is '{}', here it must be {wanted}", accessor.kind)));

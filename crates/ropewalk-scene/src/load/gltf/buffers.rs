@@ -92,7 +92,8 @@ impl<'a> Buffers<'a> {
         Ok(slot.get_or_init(|| bytes))
     }
 
-    fn fetch(&self, uri: &str) -> Result<Vec<u8>, String> {
+    /// The bytes that a URI names.
+    pub(super) fn fetch(&self, uri: &str) -> Result<Vec<u8>, String> {
         let name = match Uri::parse(uri)? {
             Uri::Data(bytes) => return Ok(bytes),
             Uri::File(name) => name,

@@ -1,10 +1,12 @@
 //! The part of a glTF 2.0 document that is read, as plain data, and the check that its references lead somewhere.
 //!
 //! Placements are read as f64: a part ten kilometres away would otherwise move by millimetres. Numbers that count or
-//! refer are u64 and never narrowed, so a reference cannot wrap around to something else. What is not read,
-//! such as textures, is not looked at, so a mistake there does not cost the geometry. (The crate `gltf` holds placements
+//! refer are u64 and never narrowed, so a reference cannot wrap around to something else. What is not read
+//! is not looked at, and a mistake in what says of pictures costs the picture ([`picture_document`](super::picture_document)),
+//! not the geometry. (The crate `gltf` holds placements
 //! in f32, cuts references to 32 bits, and refuses a document for any mistake: hence types of our own.)
 
+use super::picture_document::{Image, List, Sampler, Texture, TextureInfo, lenient};
 use crate::LoadError;
 use crate::load::source::Source;
 use serde::Deserialize;
@@ -24,7 +26,9 @@ pub(super) struct Document {
     pub(super) materials: Vec<Material>,
     pub(super) cameras: Vec<Camera>,
     pub(super) animations: Vec<IgnoredAny>,
-    pub(super) textures: Vec<IgnoredAny>,
+    pub(super) textures: List<Texture>,
+    pub(super) images: List<Image>,
+    pub(super) samplers: List<Sampler>,
     pub(super) extensions: RootExtensions,
     pub(super) extensions_used: Vec<String>,
     pub(super) extensions_required: Vec<String>,
@@ -168,7 +172,11 @@ pub(super) struct Material {
     pub(super) name: Option<String>,
     pub(super) pbr_metallic_roughness: MetallicRoughness,
     pub(super) emissive_factor: Option<[f32; 3]>,
+    #[serde(deserialize_with = "lenient")]
+    pub(super) emissive_texture: Option<TextureInfo>,
     pub(super) alpha_mode: Option<String>,
+    #[serde(deserialize_with = "lenient")]
+    pub(super) alpha_cutoff: Option<f32>,
     pub(super) extensions: MaterialExtensions,
 }
 
@@ -176,6 +184,10 @@ pub(super) struct Material {
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct MetallicRoughness {
     pub(super) base_color_factor: Option<[f32; 4]>,
+    #[serde(deserialize_with = "lenient")]
+    pub(super) base_color_texture: Option<TextureInfo>,
+    #[serde(deserialize_with = "lenient")]
+    pub(super) metallic_roughness_texture: Option<TextureInfo>,
     pub(super) metallic_factor: Option<f32>,
     pub(super) roughness_factor: Option<f32>,
 }
@@ -189,6 +201,15 @@ pub(super) struct MaterialExtensions {
     pub(super) transmission: Transmission,
     #[serde(rename = "KHR_materials_ior")]
     pub(super) refraction: Refraction,
+    #[serde(rename = "KHR_materials_specular", deserialize_with = "lenient")]
+    pub(super) specular: Option<Specular>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Specular {
+    pub(super) specular_factor: Option<f32>,
+    pub(super) specular_color_factor: Option<[f32; 3]>,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -5,19 +5,20 @@ use crate::load::source::Source;
 use crate::{LoadError, LoadReport};
 
 /// Extensions that are read.
-const READ: [&str; 5] = [
+const READ: [&str; 7] = [
     "KHR_mesh_quantization",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_specular",
     "KHR_materials_transmission",
+    "KHR_texture_transform",
 ];
 
 /// Extensions that change looks or motion but neither shape nor place: a file that requires one can be loaded without.
-const LOOKS_ONLY: [&str; 6] = [
+const LOOKS_ONLY: [&str; 5] = [
     "KHR_animation_pointer",
     "KHR_texture_basisu",
-    "KHR_texture_transform",
     "EXT_texture_avif",
     "EXT_texture_webp",
     "MSFT_texture_dds",

@@ -5,25 +5,52 @@ use super::nodes::Placed;
 use crate::{Camera, Light, LoadReport, Material};
 use glam::{DAffine3, DVec3, Vec3};
 
-/// A material. Factors outside of their range are brought into it; textures are not read, so what they would
-/// multiply stays as it is.
+/// A material, without its pictures. Factors outside of their range are brought into it.
+///
+/// `MASK` makes holes where alpha is below the cutoff. `BLEND` mixes a surface with what is behind it, in an order that rays
+/// do not have: here as much light goes through as the factor's alpha leaves, unbent, and of a picture what is more
+/// transparent than not is a hole.
 pub(super) fn material(material: &document::Material) -> Material {
     let plain = Material::default();
     let surface = &material.pbr_metallic_roughness;
     let extensions = &material.extensions;
-    let [red, green, blue, _] = surface.base_color_factor.unwrap_or([1.0; 4]);
+    let [red, green, blue, alpha] = surface.base_color_factor.unwrap_or([1.0; 4]);
+    let alpha = bounded(Some(alpha), 0.0, 1.0, 1.0);
     let strength = bounded(extensions.emissive_strength.emissive_strength, 0.0, f32::MAX, 1.0);
     let emissive = Vec3::from(material.emissive_factor.unwrap_or_default()) * strength;
     let ior = extensions.refraction.ior.filter(|&ior| ior >= 1.0);
+    let ior = bounded(ior, 1.0, f32::MAX, plain.ior);
+    let transmission = bounded(extensions.transmission.transmission_factor, 0.0, 1.0, 0.0);
+    let metallic = bounded(surface.metallic_factor, 0.0, 1.0, 1.0);
+    let cutoff = bounded(material.alpha_cutoff, 0.0, f32::MAX, 0.5);
+    let alpha_of_picture = if surface.base_color_texture.is_some() { 0.5 } else { 0.0 };
+    let (opacity, alpha_cutoff, through, ior) = match material.alpha_mode.as_deref() {
+        Some("MASK") => (alpha, cutoff, 0.0, ior),
+        Some("BLEND") if alpha < 1.0 && transmission == 0.0 => (1.0, alpha_of_picture, 1.0 - alpha, 1.0),
+        Some("BLEND") => (1.0, alpha_of_picture, 0.0, ior),
+        _ => (1.0, 0.0, 0.0, ior),
+    };
     Material {
         name: material.name.clone().unwrap_or_default(),
         base_color: color(Vec3::new(red, green, blue)).min(Vec3::ONE),
         emissive: color(emissive),
         roughness: bounded(surface.roughness_factor, 0.0, 1.0, 1.0),
-        metallic: bounded(surface.metallic_factor, 0.0, 1.0, 1.0),
-        transmission: bounded(extensions.transmission.transmission_factor, 0.0, 1.0, 0.0),
-        ior: bounded(ior, 1.0, f32::MAX, plain.ior),
+        metallic,
+        // It is for what is no metal. Where a picture says how much is metal, only the renderer knows.
+        specular: extensions.specular.as_ref().filter(|_| metallic == 0.0).map(|it| specular(it, ior)),
+        transmission: transmission.max(through),
+        ior,
+        opacity,
+        alpha_cutoff,
+        ..plain
     }
+}
+
+/// The share that is mirrored at normal incidence, by KHR_materials_specular.
+fn specular(specular: &document::Specular, ior: f32) -> Vec3 {
+    let tint = color(Vec3::from(specular.specular_color_factor.unwrap_or([1.0; 3])));
+    let plain = ((ior - 1.0) / (ior + 1.0)).powi(2);
+    (tint * plain).min(Vec3::ONE) * bounded(specular.specular_factor, 0.0, 1.0, 1.0)
 }
 
 fn bounded(value: Option<f32>, low: f32, high: f32, otherwise: f32) -> f32 {

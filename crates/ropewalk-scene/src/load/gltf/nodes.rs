@@ -12,6 +12,8 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 pub(super) struct Placed {
     /// Its index in the document.
     pub(super) node: usize,
+    /// The place of its parent among the nodes of the scene.
+    pub(super) parent: Option<usize>,
     /// From the node's space to the world.
     pub(super) to_world: DAffine3,
 }
@@ -22,8 +24,7 @@ pub(super) fn walk(document: &Document, report: &mut LoadReport) -> Vec<Placed> 
     let mut placed = Vec::new();
     let roots = roots(document, report);
     // The last of a stack comes first.
-    let mut open: Vec<(usize, DAffine3)> =
-        roots.into_iter().rev().map(|node| (node, DAffine3::IDENTITY)).collect();
+    let mut open: Vec<(usize, Option<usize>)> = roots.into_iter().rev().map(|node| (node, None)).collect();
     while let Some((index, parent)) = open.pop() {
         let (Some(node), Some(seen)) = (document.nodes.get(index), visited.get_mut(index)) else {
             continue;
@@ -33,9 +34,11 @@ pub(super) fn walk(document: &Document, report: &mut LoadReport) -> Vec<Placed> 
                 .skip("nodes met again, in a cycle or below a second parent", || document.node_place(index));
             continue;
         }
-        let to_world = parent * local(node);
-        placed.push(Placed { node: index, to_world });
-        open.extend(indices(&node.children).rev().map(|child| (child, to_world)));
+        let above = parent.and_then(|parent| placed.get(parent));
+        let above = above.map_or(DAffine3::IDENTITY, |above: &Placed| above.to_world);
+        let place = Some(placed.len());
+        placed.push(Placed { node: index, parent, to_world: above * local(node) });
+        open.extend(indices(&node.children).rev().map(|child| (child, place)));
     }
     placed
 }
@@ -69,20 +72,42 @@ fn indices(list: &[u64]) -> impl DoubleEndedIterator<Item = usize> {
     list.iter().filter_map(|&index| usize::try_from(index).ok())
 }
 
-/// From a node's space to its parent's: a matrix, or scale, then rotation, then translation.
-fn local(node: &Node) -> DAffine3 {
+/// Where a node is in its parent's space, where that is not given by a matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Local {
+    pub(super) translation: DVec3,
+    /// NaN where the file's has length zero: what it turns is counted with what cannot be placed.
+    pub(super) rotation: DQuat,
+    pub(super) scale: DVec3,
+}
+
+impl Local {
+    /// `None` for a node that is placed by a matrix.
+    pub(super) fn of(node: &Node) -> Option<Self> {
+        if node.matrix.is_some() {
+            return None;
+        }
+        let rotation = node.rotation.map_or(DQuat::IDENTITY, |rotation| {
+            let rotation = DQuat::from_array(rotation);
+            rotation * rotation.length().recip()
+        });
+        let scale = node.scale.map_or(DVec3::ONE, DVec3::from);
+        Some(Self { translation: node.translation.map_or(DVec3::ZERO, DVec3::from), rotation, scale })
+    }
+
+    /// Scale, then rotation, then translation.
+    pub(super) fn to_parent(self) -> DAffine3 {
+        DAffine3::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
+    }
+}
+
+/// From a node's space to its parent's.
+pub(super) fn local(node: &Node) -> DAffine3 {
     if let Some(matrix) = &node.matrix {
         // By columns. The last row says nothing that an affine map could.
         let [a, b, c, _, d, e, f, _, g, h, i, _, x, y, z, _] = **matrix;
         let linear = DMat3::from_cols(DVec3::new(a, b, c), DVec3::new(d, e, f), DVec3::new(g, h, i));
         return DAffine3::from_mat3_translation(linear, DVec3::new(x, y, z));
     }
-    let scale = node.scale.map_or(DVec3::ONE, DVec3::from);
-    // A rotation of length zero becomes NaN here and is counted with the instances that cannot be placed.
-    let rotation = node.rotation.map_or(DQuat::IDENTITY, |rotation| {
-        let rotation = DQuat::from_array(rotation);
-        rotation * rotation.length().recip()
-    });
-    let translation = node.translation.map_or(DVec3::ZERO, DVec3::from);
-    DAffine3::from_scale_rotation_translation(scale, rotation, translation)
+    Local::of(node).map_or(DAffine3::IDENTITY, Local::to_parent)
 }

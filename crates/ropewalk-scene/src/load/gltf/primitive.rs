@@ -55,26 +55,26 @@ impl<'b, 'a> PrimitiveReader<'b, 'a> {
         Self { buffers, budget: Budget::default(), uses_default_material: false }
     }
 
-    /// Reads a primitive. One that has no triangles becomes an empty mesh, so that geometries keep their numbers.
+    /// Reads a primitive, and says which vertices of its arrays it kept. One that has no triangles becomes an empty mesh, so that geometries keep their numbers.
     pub(super) fn read(
         &mut self,
         primitive: &Primitive,
         place: &str,
         report: &mut LoadReport,
-    ) -> Result<(Mesh, Surface), LoadError> {
+    ) -> Result<(Mesh, Surface, Kept), LoadError> {
         let mut surface = Surface { materials: self.material(primitive), ..Surface::default() };
         let topology = match Topology::of(primitive.mode.unwrap_or(4)) {
             Ok(topology) => topology,
             Err(what) => {
                 report.skip(what, || place.into());
-                return Ok((Mesh::default(), surface));
+                return Ok((Mesh::default(), surface, Kept::All(0)));
             }
         };
         // Opened before it is known whether there are vertices: a wrong reference is an error in any case.
         let indices = primitive.indices.map(|index| self.open::<1>(index)).transpose()?;
         let Some(position) = primitive.attributes.position else {
             report.skip("primitives without POSITION", || place.into());
-            return Ok((Mesh::default(), surface));
+            return Ok((Mesh::default(), surface, Kept::All(0)));
         };
         self.refuse_compressed(primitive, position, place)?;
         let positions = self.open::<3>(position)?;
@@ -101,7 +101,7 @@ impl<'b, 'a> PrimitiveReader<'b, 'a> {
                 values: kept.values(|vertex| Vec2::from(coordinates.vector(vertex))),
                 indices: None,
             });
-        Ok((mesh, surface))
+        Ok((mesh, surface, kept))
     }
 
     fn material(&mut self, primitive: &Primitive) -> MaterialAssignment {
@@ -206,7 +206,8 @@ impl<'b, 'a> PrimitiveReader<'b, 'a> {
 }
 
 /// Which vertices of an array a geometry keeps.
-enum Kept {
+#[derive(Debug)]
+pub(super) enum Kept {
     /// The first so many: all of them.
     All(usize),
     /// These, in ascending order.
@@ -236,7 +237,15 @@ impl Kept {
         }
     }
 
-    fn values<T>(&self, value: impl Fn(usize) -> T) -> Vec<T> {
+    /// The last vertex that is kept.
+    pub(super) fn last(&self) -> Option<usize> {
+        match self {
+            Self::All(count) => count.checked_sub(1),
+            Self::Some(used) => used.last().map(|&vertex| vertex as usize),
+        }
+    }
+
+    pub(super) fn values<T>(&self, value: impl Fn(usize) -> T) -> Vec<T> {
         match self {
             Self::All(count) => (0..*count).map(value).collect(),
             Self::Some(used) => used.iter().map(|&vertex| value(vertex as usize)).collect(),

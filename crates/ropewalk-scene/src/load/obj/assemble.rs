@@ -1,6 +1,7 @@
 //! From a [`Document`] to a model: faces checked, polygons cut, every object with vertices of its own.
 
 use super::document::{Corner, Document, Face, NONE};
+use super::maps::MapReader;
 use super::mtl::Materials;
 use crate::load::placement::Placement;
 use crate::load::polygon::{Cutter, newell_normal};
@@ -18,7 +19,8 @@ pub(super) fn assemble(mut document: Document, library: Materials) -> Model {
     let used = faces.iter().flat_map(|(_, corners)| *corners);
     let placement =
         Placement::of(used.filter_map(|corner| document.positions.get(corner.vertex as usize).copied()));
-    let (materials, material_of_name) = used_materials(&document, &faces, &library, &mut report);
+    let mut maps = MapReader::default();
+    let (materials, material_of_name) = used_materials(&document, &faces, &library, &mut maps, &mut report);
 
     let mut model = Model { materials, ..Model::default() };
     model.scene.origin = placement.origin;
@@ -38,6 +40,7 @@ pub(super) fn assemble(mut document: Document, library: Materials) -> Model {
         ));
     }
     model.report = report;
+    maps.textures.finish(&mut model);
     model
 }
 
@@ -80,6 +83,7 @@ fn used_materials(
     document: &Document,
     faces: &[Polygon],
     library: &Materials,
+    maps: &mut MapReader,
     report: &mut LoadReport,
 ) -> (Vec<Material>, Vec<u32>) {
     let nameless = document.materials.len();
@@ -103,7 +107,13 @@ fn used_materials(
     }
     let mut materials = Vec::new();
     let mut of_name = vec![0; nameless + 1];
-    let found = in_library.into_iter().map(|(at, index)| (index, library.list.get(at as usize).cloned()));
+    let found = in_library.into_iter().map(|(at, index)| {
+        let mut material = library.list.get(at as usize).cloned();
+        if let (Some(material), Some(of_it)) = (&mut material, library.maps.get(at as usize)) {
+            maps.add(of_it, material);
+        }
+        (index, material)
+    });
     let made = in_none.into_iter().map(|index| (index, None));
     let of_nameless = is_used[nameless].then(|| (nameless, Some(Material::default())));
     for (index, material) in found.chain(made).chain(of_nameless) {

@@ -12,13 +12,14 @@
 //! * **Numbers** that cannot be read void their vertex, and the faces that use it; both are counted.
 //! * **Normals and texture coordinates** that single corners lack are the face's own normal and zero. Where a whole
 //!   object lacks them it has none.
-//! * **Materials** that no face uses are left out. One that no library has gets its name and the default looks.
+//! * **Materials** with their pictures ([`maps`]). Those that no face uses are left out. One that no library has gets its name and the default looks.
 //! * Weights and colours of vertices are passed over. Points, lines and free-form surfaces are counted.
 //!
 //! The cost is one pass over the bytes and one over the faces.
 
 mod assemble;
 mod document;
+mod maps;
 mod mtl;
 mod parse;
 

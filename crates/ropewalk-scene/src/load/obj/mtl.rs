@@ -3,15 +3,18 @@
 //! `Kd` and `Ke` are taken as linear, as ray tracers do. `Ns`, the exponent of a highlight, becomes the roughness whose
 //! highlight is as wide: (2 / (Ns + 2))^¼; without a highlight (`Ks 0`, `illum 0` and `1`) a surface is matt. `d` and
 //! `Tr` are opacity and its opposite; where both stand, `d` is right, for exporters disagree about `Tr`. `Pr` and `Pm`
-//! of the later extension go before. Of two materials of one name the first counts, as with libraries searched in order.
+//! of the later extension go before. `Ks` colours the mirror of the models that follow reflected rays, `illum` 3 to 9; `Ka` is
+//! not read, since exporters write anything there. Of two materials of one name the first counts, as with libraries searched in order.
 
 use super::document::Document;
+use super::maps::Maps;
 use crate::load::source::Source;
 use crate::load::text::{Lines, number, words};
 use crate::{LoadReport, Material};
 use glam::Vec3;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
+use std::rc::Rc;
 
 /// More libraries than any scene has; a file may not make the program ask the file system without end.
 const MOST_LIBRARIES: usize = 1000;
@@ -21,6 +24,8 @@ const MOST_LIBRARIES: usize = 1000;
 pub(super) struct Materials {
     /// In the order of the files.
     pub(super) list: Vec<Material>,
+    /// Their pictures.
+    pub(super) maps: Vec<Maps>,
     /// The first of each name.
     pub(super) by_name: HashMap<String, u32>,
     textures: usize,
@@ -45,7 +50,8 @@ pub(super) fn read_libraries(source: &Source, document: &mut Document) -> Materi
         document.report.notes.push(format!("materials not read: {first}{more}"));
     }
     if materials.textures > 0 {
-        document.report.notes.push(format!("{} textures of materials are not read", materials.textures));
+        let note = "maps of materials are not read, such as those of highlights, bumps and displacement";
+        document.report.notes.push(format!("{} {note}", materials.textures));
     }
     materials
 }
@@ -88,6 +94,7 @@ impl Names<'_> {
 
 impl Materials {
     fn read(&mut self, library: &Source, report: &mut LoadReport) {
+        let path: Rc<Path> = library.path.as_path().into();
         let mut draft: Option<Draft> = None;
         let mut lines = Lines::new(&library.bytes);
         while let Some((line, text)) = lines.next_joined() {
@@ -97,7 +104,8 @@ impl Materials {
             let keyword = keyword.to_ascii_lowercase();
             if keyword == b"newmtl" {
                 let name = text.get(keyword.len()..).unwrap_or_default().trim_ascii();
-                let next = Draft::new(String::from_utf8_lossy(name).into_owned());
+                let mut next = Draft::new(String::from_utf8_lossy(name).into_owned());
+                next.maps.library = Some(Rc::clone(&path));
                 self.add(draft.replace(next));
                 continue;
             }
@@ -106,7 +114,8 @@ impl Materials {
                 .iter()
                 .any(|start| keyword.starts_with(start));
             if is_texture {
-                self.textures += usize::from(keyword != b"map_aat");
+                let is_read = draft.maps.set(&keyword, text.get(keyword.len()..).unwrap_or_default());
+                self.textures += usize::from(!is_read && keyword != b"map_aat");
             } else if draft.set(&keyword, words).is_none() {
                 let file = library.path.file_name().unwrap_or_default().to_string_lossy();
                 report.skip("properties of materials that cannot be read", || format!("{file}, line {line}"));
@@ -119,7 +128,9 @@ impl Materials {
         let Some(draft) = draft else { return };
         if !self.by_name.contains_key(&draft.material.name) {
             self.by_name.insert(draft.material.name.clone(), self.list.len() as u32);
-            self.list.push(draft.finish());
+            let (material, maps) = draft.finish();
+            self.list.push(material);
+            self.maps.push(maps);
         }
     }
 }
@@ -127,8 +138,10 @@ impl Materials {
 /// A material while its lines come in.
 struct Draft {
     material: Material,
+    maps: Maps,
     exponent: f32,
     highlight: Vec3,
+    has_highlight: bool,
     illumination: Option<f64>,
     roughness: Option<f32>,
     opacity: Option<f32>,
@@ -140,8 +153,10 @@ impl Draft {
     fn new(name: String) -> Self {
         Self {
             material: Material { name, ..Material::default() },
+            maps: Maps::default(),
             exponent: 0.0,
             highlight: Vec3::ONE,
+            has_highlight: false,
             illumination: None,
             roughness: None,
             opacity: None,
@@ -153,9 +168,18 @@ impl Draft {
     /// None where the values cannot be read. Unknown words are fine: there are many dialects.
     fn set<'a>(&mut self, keyword: &[u8], mut words: impl Iterator<Item = &'a [u8]>) -> Option<()> {
         match keyword {
-            b"kd" => self.material.base_color = color(words)?,
-            b"ke" => self.material.emissive = color(words)?,
-            b"ks" => self.highlight = color(words)?,
+            b"kd" => {
+                self.material.base_color = color(words)?;
+                self.maps.has_color = true;
+            }
+            b"ke" => {
+                self.material.emissive = color(words)?;
+                self.maps.has_emission = true;
+            }
+            b"ks" => {
+                self.highlight = color(words)?;
+                self.has_highlight = true;
+            }
             b"tf" => self.filter = Some(color(words)?),
             b"ns" => self.exponent = amount(words.next())?,
             b"ni" => self.material.ior = amount(words.next())?,
@@ -169,7 +193,7 @@ impl Draft {
         Some(())
     }
 
-    fn finish(self) -> Material {
+    fn finish(self) -> (Material, Maps) {
         let has_highlight =
             self.highlight != Vec3::ZERO && self.illumination.is_none_or(|model| model >= 2.0);
         let from_exponent = if has_highlight { (2.0 / (self.exponent + 2.0)).powf(0.25) } else { 1.0 };
@@ -178,11 +202,17 @@ impl Draft {
         let is_glass = self.illumination.is_some_and(|model| (4.0..=7.0).contains(&model) || model == 9.0);
         let through_glass =
             self.filter.filter(|_| is_glass && transparency == 0.0).map(|filter| filter.element_sum() / 3.0);
-        Material {
+        let mirrors = self.has_highlight
+            && self.highlight != Vec3::ZERO
+            && self.illumination.is_some_and(|model| (3.0..=9.0).contains(&model));
+        let material = Material {
             roughness: self.roughness.unwrap_or(from_exponent),
+            specular: mirrors.then(|| self.highlight.min(Vec3::ONE)),
+            mirrors_sharply: mirrors,
             transmission: through_glass.unwrap_or(transparency).min(1.0),
             ..self.material
-        }
+        };
+        (material, self.maps)
     }
 }
 
@@ -232,7 +262,7 @@ mod tests {
         );
         assert_eq!((materials.list[2].roughness, materials.list[2].metallic), (0.25, 1.0));
         assert_eq!(materials.list[3].transmission, 1.0);
-        assert_eq!(materials.textures, 2);
+        assert_eq!(materials.textures, 1, "the bump");
         assert_eq!(report, LoadReport::default());
     }
 
