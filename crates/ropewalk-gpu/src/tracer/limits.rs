@@ -1,6 +1,6 @@
 //! How large a tile may be, by the limits of the device and by what is good for it.
 
-use super::tile::TIMESTAMP_BYTES;
+use super::exchange::TIMESTAMP_BYTES;
 use crate::shader::Kernel;
 use crate::{Gpu, GpuError};
 

@@ -11,6 +11,7 @@
 mod all_hits;
 mod changes;
 mod content;
+mod exchange;
 mod heads;
 mod levels;
 mod limits;
@@ -32,6 +33,7 @@ pub use versions::{StructureVersions, UploadReport};
 
 use crate::{Gpu, GpuError};
 use all_hits::{Lists, Plan, counting_job};
+use exchange::BatchUniform;
 use limits::{HIT_BYTES, TileLimits};
 use pipelines::Pipelines;
 use records::Records;
@@ -40,7 +42,7 @@ use ropewalk::{Answer, DeviceKind, Query, Ray, Structure, TraceOptions, Traced, 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-use tile::{BatchUniform, Job, Tile, TileBuffers};
+use tile::{Job, Tile, TileBuffers};
 
 use crate::shader::{AnyKernel, Kernel, ShaderLibrary};
 

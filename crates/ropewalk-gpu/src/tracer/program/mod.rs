@@ -17,9 +17,9 @@ mod tile;
 
 pub use tables::{Table, Tables};
 
+use super::exchange::BatchUniform;
 use super::limits::TileLimits;
 use super::results::written;
-use super::tile::BatchUniform;
 use super::{GpuStructure, TILES_UNDER_WAY, Tracer};
 use crate::scope::scoped;
 use crate::shader::{Kernel, ProgramSource, STATUS_UNFINISHED};
