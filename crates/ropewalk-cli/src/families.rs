@@ -103,9 +103,7 @@ fn about(walks: &[Walk]) -> &'static str {
         [Walk::Stack(_), _, ..] => {
             "a stack, in the stages of the blog of 2022: nothing culled, culled, nearer child first"
         }
-        [Walk::RestartTrail(_), ..] => {
-            "a short stack or none; a trail of bits leads back after a restart (Laine 2010)"
-        }
+        [Walk::RestartTrail(_), ..] => "short stack or none; a trail of bits leads back (Laine 2010)",
         [first, ..] => first.about(),
         [] => "",
     }

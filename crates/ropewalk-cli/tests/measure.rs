@@ -41,6 +41,42 @@ fn a_bench_record_says_where_it_was_made_and_what_was_measured() {
     assert!(text.contains("222 triangles") && text.contains("diffuse-shuffled"), "{text}");
 }
 
+/// The peers are no part of a plain build, and a program without them says how to get one with them.
+#[cfg(not(feature = "peers"))]
+#[test]
+fn a_plain_program_says_how_to_measure_peers() {
+    let outcome = run("bench --peers builtin:cubes").failure(1);
+    assert!(outcome.err.contains("cargo run --release --features peers"), "{outcome:?}");
+    run("bench --engine embree").failure(2);
+    run("bench --peers --class sideways").failure(2).mentions("ambient-occlusion");
+}
+
+/// Whatever peers this machine has: the program's own engines are there, and right.
+#[cfg(feature = "peers")]
+#[test]
+fn the_arena_has_a_row_for_every_way_to_hand_over_rays() {
+    let document = run(
+        "bench --peers builtin:cubes rotated:builtin:cubes --rays 500 --rounds 1 --threads 1 --engine ropewalk --json",
+    )
+    .success()
+    .json();
+    let rows = document["rows"].as_array().unwrap();
+    for row in rows {
+        assert!(row["ms"].as_f64().unwrap() > 0.0, "{row}");
+        assert!(row["ratio_to_best_peer"].is_null() && row["peer"] == false, "{row}");
+    }
+    let kinds = |kind: &str| rows.iter().filter(|row| row["kind"] == kind).count();
+    assert!(["trace", "build", "refit", "top_level"].iter().all(|kind| kinds(kind) > 0), "{rows:?}");
+    let folder = support::Folder::new();
+    let table = folder.path("table.md");
+    run(&format!(
+        "bench --peers builtin:cubes --rays 100 --rounds 1 --threads 1 --kind trace --class primary --markdown {}",
+        table.display()
+    ))
+    .success();
+    assert!(folder.text("table.md").contains("| ropewalk bvh | binned | batch |"));
+}
+
 #[test]
 fn a_bench_of_what_cannot_be_traced_is_an_error() {
     run("bench builtin:cubes --walk recursive --device gpu:0 --rays 10")

@@ -2,18 +2,14 @@
 
 mod common;
 
-use common::{bare, build, floor, matt, model, render, sphere};
+use common::{Open, bare, build, floor, look, matt, model, render, sphere};
 use ropewalk::glam::Vec3;
-use ropewalk::{Answer, Query, Ray, Status, Structure, TraceOptions, Traced, Walk};
+use ropewalk::{Query, Ray, Status, Structure, TraceOptions, Traced, Walk};
 use ropewalk_render::{CameraChoice, Picture, RenderSettings, Renderer, Stage, StageOptions, Trace, View};
 use ropewalk_scene::{Light, Material};
 use std::error::Error;
 use std::f32::consts::PI;
 use std::ops::ControlFlow;
-
-fn look(eye: Vec3, target: Vec3, degrees: f32) -> CameraChoice {
-    CameraChoice::Look { eye, target, up: Some(Vec3::Y), vertical_fov: Some(degrees.to_radians()) }
-}
 
 fn small(camera: CameraChoice) -> RenderSettings {
     RenderSettings { width: 33, height: 33, samples: 1, ambient_rays: 0, camera, ..RenderSettings::default() }
@@ -87,25 +83,6 @@ fn specks(center: Vec3, radius: f32, crease: f32) -> usize {
     let lit = render(&stage, &structure, &settings);
     let unlit = render(&stage, &Open(build(stage.scene())), &settings);
     lit.film.color.iter().zip(&unlit.film.color).filter(|(lit, unlit)| lit != unlit).count()
-}
-
-/// A tracer for which nothing is ever in the way.
-struct Open(Structure);
-
-impl Trace for Open {
-    fn trace_batch(
-        &self,
-        walk: Walk,
-        query: Query,
-        rays: &[Ray],
-        options: TraceOptions,
-    ) -> Result<Traced, Box<dyn Error + Send + Sync>> {
-        let mut traced = self.0.trace(walk, query, rays, options)?;
-        if let Answer::Any(blocked) = &mut traced.answer {
-            blocked.fill(false);
-        }
-        Ok(traced)
-    }
 }
 
 #[test]

@@ -2,21 +2,16 @@
 
 mod common;
 
-use common::{bare, build, floor, matt, mirrors_and_glass, model, render, sphere};
+use common::{Open, bare, build, floor, look, matt, mirrors_and_glass, model, render, sphere};
 use ropewalk::glam::{Affine3A, Vec3};
-use ropewalk::{Answer, Query, Ray, Structure, StructureSpec, TraceOptions, Traced, Transform, Walk};
+use ropewalk::{StructureSpec, Transform};
 use ropewalk_gpu::{Device, DeviceChoice, adapters};
 use ropewalk_render::{
     CameraChoice, Ground, Integrator, Kept, LightChoice, Picture, Primary, RenderSettings, Renderer, Stage,
     StageOptions, Trace, TreeOrder, TreeSettings,
 };
 use ropewalk_scene::{Light, Material, Model};
-use std::error::Error;
 use std::ops::ControlFlow;
-
-fn look(eye: Vec3, target: Vec3, degrees: f32) -> CameraChoice {
-    CameraChoice::Look { eye, target, up: Some(Vec3::Y), vertical_fov: Some(degrees.to_radians()) }
-}
 
 fn of_the_still_life() -> RenderSettings {
     RenderSettings {
@@ -389,25 +384,6 @@ fn drawn_first_hits_give_the_picture_of_traced_ones() {
     let traced = render(&stage, &structure, &settings);
     let drawn = render(&stage, &structure, &RenderSettings { primary: Primary::Rasterised, ..settings });
     assert_eq!(differing(&traced, &drawn), 0);
-}
-
-/// A tracer for which nothing is ever in the way of light.
-struct Open(Structure);
-
-impl Trace for Open {
-    fn trace_batch(
-        &self,
-        walk: Walk,
-        query: Query,
-        rays: &[Ray],
-        options: TraceOptions,
-    ) -> Result<Traced, Box<dyn Error + Send + Sync>> {
-        let mut traced = self.0.trace(walk, query, rays, options)?;
-        if let Answer::Any(blocked) = &mut traced.answer {
-            blocked.fill(false);
-        }
-        Ok(traced)
-    }
 }
 
 #[test]

@@ -11,22 +11,28 @@
 //!
 //! The vocabulary stands in small modules: [`Ray`], [`Hit`], [`Aabb`], [`Sphere`], [`Triangle`],
 //! [`Transform`], [`Mesh`], [`Scene`]. Each structure has a folder with its nodes, builders and walks: [`bvh`],
-//! [`wide_bvh`], [`traversal_list`], [`kd_tree`], [`two_level`].
+//! [`bvh8`], [`wide_bvh`], [`traversal_list`], [`kd_tree`], [`two_level`].
 //! [`catalogue`] is the one table of what can be traced.
 //!
 //! **Features.** `parallel` (default) builds and traces batches on rayon, in whichever pool the caller
 //! installs. Without it the crate starts no thread.
+//!
+//! **Unsafe code** stands in [`bvh8`], for vector instructions and nodes that are read by checked words, and where the system is told
+//! of large pieces of memory. Each module says why
+//! it is sound.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 pub mod aabb;
 pub mod batch;
 pub mod bvh;
+pub mod bvh8;
 pub mod catalogue;
 mod clock;
 mod error;
 mod hit;
 pub mod kd_tree;
+mod memory;
 mod mesh;
 mod monitor;
 mod parallel;
@@ -48,6 +54,7 @@ pub mod wide_bvh;
 pub use aabb::Aabb;
 pub use batch::{Answer, HitLists, Keep, TraceOptions, Traced};
 pub use bvh::{BuildOptions, BuildReport, Builder, Bvh};
+pub use bvh8::{Bvh8, Bvh8Options};
 pub use catalogue::{DeviceKind, Structure, StructureKind, StructureSpec, Walk};
 pub use error::{
     BuildError, CatalogueError, SceneError, TraceError, TransformError, UpdateError, ValidationError,

@@ -56,3 +56,27 @@ pub(crate) fn spawn(work: impl FnOnce() + Send + 'static) {
 pub(crate) fn spawn(work: impl FnOnce()) {
     work();
 }
+
+/// Appends a value made of each element, in order.
+#[cfg(feature = "parallel")]
+pub(crate) fn extend<S: Sync, T: Send>(
+    output: &mut Vec<T>,
+    input: &[S],
+    make: impl Fn(usize, &S) -> T + Send + Sync,
+) {
+    use rayon::prelude::*;
+    /// Some tens of microseconds of work; fewer are not worth waking a thread.
+    const LEAST: usize = 1 << 12;
+    if input.len() <= LEAST {
+        output.extend(input.iter().enumerate().map(|(index, element)| make(index, element)));
+    } else {
+        let elements = input.par_iter().enumerate().with_min_len(LEAST);
+        output.par_extend(elements.map(|(index, element)| make(index, element)));
+    }
+}
+
+/// Appends a value made of each element, in order.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn extend<S, T>(output: &mut Vec<T>, input: &[S], make: impl Fn(usize, &S) -> T) {
+    output.extend(input.iter().enumerate().map(|(index, element)| make(index, element)));
+}

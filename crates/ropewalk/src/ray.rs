@@ -77,12 +77,21 @@ impl Ray {
     #[must_use]
     pub fn is_valid(&self) -> bool {
         // One comparison of three lanes also refuses NaN, which the maximum behind it might overlook.
-        let size = self.dir.abs().extend(0.0);
-        self.origin.abs().extend(0.0).cmple(Vec4::splat(f32::MAX)).all()
-            && size.cmple(Vec4::splat(LARGEST_DIRECTION)).all()
-            && size.max_element() >= SMALLEST_DIRECTION
+        let [origin, dir] = self.lanes();
+        let size = dir.abs();
+        let (near, short) =
+            (origin.abs().cmple(Vec4::splat(f32::MAX)), size.cmple(Vec4::splat(LARGEST_DIRECTION)));
+        near.bitmask() & short.bitmask() & 0b111 == 0b111
+            && size.truncate().max_element() >= SMALLEST_DIRECTION
             && self.t_min >= 0.0
             && !self.t_max.is_nan()
+    }
+
+    /// The origin and `t_min`, the direction and `t_max`: as they lie in memory.
+    #[inline(always)]
+    fn lanes(&self) -> [Vec4; 2] {
+        let numbers: &[f32; 9] = bytemuck::cast_ref(self);
+        [Vec4::from_slice(&numbers[..4]), Vec4::from_slice(&numbers[4..8])]
     }
 }
 
@@ -141,6 +150,9 @@ pub struct PreparedRay {
     pub mask: u32,
 }
 
+/// The two axes that follow each, cyclically.
+static FOLLOWING: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
+
 impl PreparedRay {
     /// Prepares a ray, or `None` when it is not [valid](Ray::is_valid).
     ///
@@ -155,9 +167,14 @@ impl PreparedRay {
         let size = ray.dir.abs();
         let (larger_of_two, of_two) = if size.y > size.x { (size.y, 1) } else { (size.x, 0) };
         let (largest, kz) = if size.z > larger_of_two { (size.z, 2) } else { (larger_of_two, of_two) };
-        let [kx, ky] = [[1, 2], [2, 0], [0, 1]][kz];
-        let origin = ray.origin.extend(1.0);
-        let mut slabs = Slabs { low: origin, high: origin, inverse: Vec4::ONE / ray.dir.extend(1.0) };
+        let [kx, ky] = FOLLOWING[kz];
+        // From where the ray lies: choosing among registers would take branches that nobody can foresee.
+        let numbers: &[f32; 9] = bytemuck::cast_ref(ray);
+        let [along_x, along_y, along_z] =
+            [numbers[4 + (kx & 3)], numbers[4 + (ky & 3)], numbers[4 + (kz & 3)]];
+        let [origin, dir] = ray.lanes();
+        let (origin, dir) = (origin.with_w(1.0), dir.with_w(1.0));
+        let mut slabs = Slabs { low: origin, high: origin, inverse: Vec4::ONE / dir };
         if size.min_element() <= largest * PARALLEL {
             slabs.widen(ray, largest);
         }
@@ -167,11 +184,11 @@ impl PreparedRay {
             inverse: slabs.inverse,
             origin: ray.origin.to_array(),
             t_min: ray.t_min,
-            shear: [ray.dir[kx] / ray.dir[kz], ray.dir[ky] / ray.dir[kz], 1.0 / ray.dir[kz]],
+            shear: [along_x / along_z, along_y / along_z, 1.0 / along_z],
             // Infinity is the t of a miss, so no hit may have it.
             t_max: ray.t_max.min(f32::MAX),
             axes: [kx as u8, ky as u8, kz as u8],
-            forward: ray.dir[kz] > 0.0,
+            forward: along_z > 0.0,
             mask: ray.mask << 24,
         })
     }

@@ -7,8 +7,11 @@
 //! a scene has an [`origin`](Scene::origin) in f64, and everything in it, instances, rays and hits, is relative to it.
 
 use crate::error::SceneError;
+use crate::memory::with_capacity;
+use crate::parallel::extend;
 use crate::{Aabb, FlatTriangle, Mesh, Ray, Transform};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Meshes that move together.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -178,15 +181,18 @@ impl Scene {
         if triangles > limit {
             return Err(SceneError::TooManyTriangles { triangles, limit });
         }
-        let mut flat = FlatScene { triangles: Vec::with_capacity(triangles), ..FlatScene::default() };
+        let mut flat = FlatScene { triangles: with_capacity(triangles), ..FlatScene::default() };
         for (instance_index, instance) in self.instances.iter().enumerate() {
             let object = &self.objects[instance.object as usize];
             let mirror = if instance.transform.mirrors() { FlatTriangle::MIRROR } else { 0 };
             let instance_and_mask = instance_index as u32 | instance.mask << 24;
             for (geometry, mesh) in object.geometries.iter().enumerate() {
-                let place = |position| instance.transform.point(position);
+                let place = |position: Vec3| instance.transform.point(position);
                 flat.place(mesh, geometry as u32 | mirror, instance_and_mask, place);
             }
+        }
+        if flat.report.skipped() > 0 {
+            flat.triangles.retain(|triangle| !triangle.v0[0].is_nan());
         }
         Ok(flat)
     }
@@ -219,49 +225,65 @@ impl Scene {
 }
 
 impl FlatScene {
+    /// What stands for a triangle that is left out, until the end: no good one has a vertex that is not a number.
+    const LEFT_OUT: FlatTriangle = FlatTriangle {
+        v0: [f32::NAN; 3],
+        primitive: 0,
+        v1: [0.0; 3],
+        geometry_and_mirror: 0,
+        v2: [0.0; 3],
+        instance_and_mask: 0,
+    };
+
+    /// Places the triangles of a mesh; some of them may be [`Self::LEFT_OUT`].
     fn place(
         &mut self,
         mesh: &Mesh,
         geometry_and_mirror: u32,
         instance_and_mask: u32,
-        place: impl Fn(glam::Vec3) -> glam::Vec3,
+        place: impl Fn(Vec3) -> Vec3 + Send + Sync,
     ) {
-        self.report.triangles += mesh.triangles.len();
-        for primitive in 0..mesh.triangles.len() {
+        // What is counted is rare, so that several threads may count in one place.
+        let [out_of_range, not_finite, degenerate, collinear] = [const { AtomicUsize::new(0) }; 4];
+        let count = |counter: &AtomicUsize| {
+            counter.fetch_add(1, Ordering::Relaxed);
+        };
+        extend(&mut self.triangles, &mesh.triangles, |primitive, _| {
             let Some(mut triangle) = mesh.triangle(primitive) else {
-                self.report.out_of_range += 1;
-                continue;
+                count(&out_of_range);
+                return Self::LEFT_OUT;
             };
             triangle.vertices = triangle.vertices.map(&place);
-            let largest = triangle.vertices.iter().map(|vertex| vertex.abs().max_element());
-            // `all` of a comparison that NaN fails: a NaN counts as too large. `max_element` may drop a NaN
-            // among numbers, so finiteness is asked for as well.
-            let finite = triangle.vertices.iter().all(|vertex| vertex.is_finite())
-                && largest.into_iter().all(|size| size <= Scene::LARGEST_COORDINATE);
-            if !finite {
-                self.report.not_finite += 1;
-            } else if triangle.is_degenerate() {
-                self.report.degenerate += 1;
-            } else {
-                self.report.collinear += usize::from(!triangle.has_area());
-                let [v0, v1, v2] = triangle.vertices.map(|vertex| vertex.to_array());
-                self.triangles.push(FlatTriangle {
-                    v0,
-                    primitive: primitive as u32,
-                    v1,
-                    geometry_and_mirror,
-                    v2,
-                    instance_and_mask,
-                });
+            // `all` of a comparison that NaN fails, and infinity: both count as too large.
+            let is_small = |vertex: &Vec3| vertex.abs().cmple(Vec3::splat(Scene::LARGEST_COORDINATE)).all();
+            if !triangle.vertices.iter().all(is_small) {
+                count(&not_finite);
+                return Self::LEFT_OUT;
             }
-        }
+            if triangle.is_degenerate() {
+                count(&degenerate);
+                return Self::LEFT_OUT;
+            }
+            if !triangle.has_area() {
+                count(&collinear);
+            }
+            let [v0, v1, v2] = triangle.vertices.map(|vertex| vertex.to_array());
+            let primitive = primitive as u32;
+            FlatTriangle { v0, primitive, v1, geometry_and_mirror, v2, instance_and_mask }
+        });
+        let report = &mut self.report;
+        report.triangles += mesh.triangles.len();
+        report.out_of_range += out_of_range.into_inner();
+        report.not_finite += not_finite.into_inner();
+        report.degenerate += degenerate.into_inner();
+        report.collinear += collinear.into_inner();
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{Affine3A, Vec3};
+    use glam::Affine3A;
 
     #[test]
     fn what_cannot_be_hit_is_counted() {

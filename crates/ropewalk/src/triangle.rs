@@ -20,7 +20,7 @@
 use crate::aabb::{Aabb, larger, slab_span, smaller};
 use crate::ray::{PARALLEL, PreparedRay};
 use bytemuck::{Pod, Zeroable};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use crate::Hit;
 
@@ -142,64 +142,18 @@ impl FlatTriangle {
         if self.instance_and_mask & ray.mask == 0 {
             return None;
         }
-        let (a, b, c) = (shear(ray, &self.v0), shear(ray, &self.v1), shear(ray, &self.v2));
-        let u = c[0] * b[1] - c[1] * b[0];
-        let v = a[0] * c[1] - a[1] * c[0];
-        let w = b[0] * a[1] - b[1] * a[0];
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
-            return None;
-        }
-        let determinant = u + v + w;
-        // Below the smallest normal number the weights would lose their bits, and 1 / determinant overflow.
-        if determinant.abs() < f32::MIN_POSITIVE {
-            return None;
-        }
-        let scale = 1.0 / determinant;
-        let (distance, normal) = self.plane(ray);
-        let depth = depth(ray, distance, normal, (u * a[2] + v * b[2] + w * c[2]) * scale)?;
-        let seen_from_front = (determinant > 0.0) == ray.forward;
-        let front_face = seen_from_front != self.is_mirrored();
-        if FRONT && !(front_face && self.runs_against(ray, normal)) {
-            return None;
-        }
-        // The depth first, in units of the scene, and then `t`: a short direction must not make it overflow.
-        let t = depth * ray.shear[2];
-        let bounds = self.triangle().bounds();
-        let span = slab_span(ray, bounds.min.extend(1.0), bounds.max.extend(1.0));
-        if larger(span.entry, ray.t_min) > span.exit {
-            return None;
-        }
-        // Plus zero: of -0 and 0 either may come, and neither ties nor bits must depend on it.
-        let t = smaller(larger(t, span.entry), span.exit) + 0.0;
-        if !(t >= ray.t_min && t <= t_max) {
-            return None;
-        }
+        let faces = |seen_from_front: bool, normal| {
+            !FRONT || (seen_from_front != self.is_mirrored() && self.runs_against(ray, normal))
+        };
+        let crossing = cross(ray, &[self.v0, self.v1, self.v2], t_max, faces)?;
         Some(Hit {
-            t,
-            barycentrics: Vec2::new(v * scale + 0.0, w * scale + 0.0),
+            t: crossing.t,
+            barycentrics: Vec2::new(crossing.v, crossing.w),
             primitive_index: self.primitive,
             geometry_index: self.geometry(),
             instance_index: self.instance(),
-            front_face,
+            front_face: crossing.seen_from_front != self.is_mirrored(),
         })
-    }
-
-    /// The triangle's plane, as a ray sees it: the distance of a vertex from the origin along the normal, and the normal,
-    /// both with the axes in the ray's order. The normal is the cross product of the two shorter edges: of a needle's two
-    /// long ones it would have no right digit.
-    #[inline(always)]
-    fn plane(&self, ray: &PreparedRay) -> (f32, Vec3) {
-        let [a, b, c] = [&self.v0, &self.v1, &self.v2].map(|vertex| Vec3::from(permute(ray, vertex)));
-        let (ab, bc, ca) = (b - a, c - b, a - c);
-        let [ab_length, bc_length, ca_length] = [ab, bc, ca].map(Vec3::length_squared);
-        let normal = if ab_length >= bc_length && ab_length >= ca_length {
-            bc.cross(ca)
-        } else if bc_length >= ca_length {
-            ca.cross(ab)
-        } else {
-            ab.cross(bc)
-        };
-        (normal.dot(a - Vec3::from(permute(ray, &ray.origin))), normal)
     }
 
     /// Whether the ray runs against the normal of the front, strictly.
@@ -235,6 +189,88 @@ impl FlatTriangle {
     }
 }
 
+/// Where a ray meets a triangle that has no name.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crossing {
+    pub(crate) t: f32,
+    /// The weight of the second vertex.
+    pub(crate) v: f32,
+    /// The weight of the third vertex.
+    pub(crate) w: f32,
+    /// Whether the vertices run counter-clockwise seen from the ray's origin.
+    pub(crate) seen_from_front: bool,
+}
+
+impl Crossing {
+    /// Nowhere.
+    pub(crate) const NONE: Self = Self { t: f32::INFINITY, v: 0.0, w: 0.0, seen_from_front: false };
+}
+
+/// Where a ray meets a triangle within `[ray.t_min, t_max]`, ends included, or `None`: what all walks ask, one triangle at a time
+/// here and eight in [`crate::bvh8`]. `faces` agrees with whether the triangle is seen from its front, and with its normal in the
+/// ray's order of axes.
+#[inline(always)]
+fn cross(
+    ray: &PreparedRay,
+    vertices: &[[f32; 3]; 3],
+    t_max: f32,
+    faces: impl Fn(bool, Vec3) -> bool,
+) -> Option<Crossing> {
+    let (a, b, c) = (shear(ray, &vertices[0]), shear(ray, &vertices[1]), shear(ray, &vertices[2]));
+    let u = c[0] * b[1] - c[1] * b[0];
+    let v = a[0] * c[1] - a[1] * c[0];
+    let w = b[0] * a[1] - b[1] * a[0];
+    if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+        return None;
+    }
+    let determinant = u + v + w;
+    // Below the smallest normal number the weights would lose their bits, and 1 / determinant overflow.
+    if determinant.abs() < f32::MIN_POSITIVE {
+        return None;
+    }
+    let scale = 1.0 / determinant;
+    let (distance, normal) = plane(ray, vertices);
+    let depth = depth(ray, distance, normal, (u * a[2] + v * b[2] + w * c[2]) * scale)?;
+    let seen_from_front = (determinant > 0.0) == ray.forward;
+    if !faces(seen_from_front, normal) {
+        return None;
+    }
+    // The depth first, in units of the scene, and then `t`: a short direction must not make it overflow.
+    let t = depth * ray.shear[2];
+    let corner = |vertex: &[f32; 3]| Vec4::new(vertex[0], vertex[1], vertex[2], 1.0);
+    let (first, second, third) = (corner(&vertices[0]), corner(&vertices[1]), corner(&vertices[2]));
+    let span = slab_span(ray, first.min(second).min(third), first.max(second).max(third));
+    if larger(span.entry, ray.t_min) > span.exit {
+        return None;
+    }
+    // Plus zero: of -0 and 0 either may come, and neither ties nor bits must depend on it.
+    let t = smaller(larger(t, span.entry), span.exit) + 0.0;
+    if !(t >= ray.t_min && t <= t_max) {
+        return None;
+    }
+    Some(Crossing { t, v: v * scale + 0.0, w: w * scale + 0.0, seen_from_front })
+}
+
+/// The triangle's plane, as a ray sees it: the distance of a vertex from the origin along the normal, and the normal,
+/// both with the axes in the ray's order. The normal is the cross product of the two shorter edges: of a needle's two
+/// long ones it would have no right digit.
+#[inline(always)]
+fn plane(ray: &PreparedRay, vertices: &[[f32; 3]; 3]) -> (f32, Vec3) {
+    let a = Vec3::from(permute(ray, &vertices[0]));
+    let b = Vec3::from(permute(ray, &vertices[1]));
+    let c = Vec3::from(permute(ray, &vertices[2]));
+    let (ab, bc, ca) = (b - a, c - b, a - c);
+    let (ab_length, bc_length, ca_length) = (ab.length_squared(), bc.length_squared(), ca.length_squared());
+    let normal = if ab_length >= bc_length && ab_length >= ca_length {
+        bc.cross(ca)
+    } else if bc_length >= ca_length {
+        ca.cross(ab)
+    } else {
+        ab.cross(bc)
+    };
+    (normal.dot(a - Vec3::from(permute(ray, &ray.origin))), normal)
+}
+
 /// How far a unit along the axis `kz` leads a ray along a normal whose axes are in the ray's order. Along an axis to which the
 /// ray is parallel for the slab test it does not run at all, so that this goes by the same directions as the choice of a
 /// list. The axis `kz` comes last in the sum, and the ray runs along no other more than along it: so the sum is not
@@ -250,7 +286,14 @@ pub(crate) fn slope(ray: &PreparedRay, normal: Vec3) -> f32 {
 #[inline(always)]
 fn depth(ray: &PreparedRay, distance: f32, normal: Vec3, interpolated: f32) -> Option<f32> {
     let slope = normal.dot(Vec3::new(ray.shear[0], ray.shear[1], 1.0));
-    [distance / slope, interpolated].into_iter().find(|depth| depth.is_finite())
+    let depth = distance / slope;
+    if depth.is_finite() {
+        Some(depth)
+    } else if interpolated.is_finite() {
+        Some(interpolated)
+    } else {
+        None
+    }
 }
 
 /// The coordinates in the order `kx`, `ky`, `kz`.
@@ -258,7 +301,8 @@ fn depth(ray: &PreparedRay, distance: f32, normal: Vec3, interpolated: f32) -> O
 pub(crate) fn permute(ray: &PreparedRay, point: &[f32; 3]) -> [f32; 3] {
     let point = [point[0], point[1], point[2], 0.0];
     // The mask lets the compiler see that the index is in range.
-    ray.axes.map(|axis| point[usize::from(axis & 3)])
+    let [x, y, z] = ray.axes;
+    [point[usize::from(x & 3)], point[usize::from(y & 3)], point[usize::from(z & 3)]]
 }
 
 /// A vertex in the space in which the ray is the z axis.

@@ -165,13 +165,20 @@ fn wrapped(text: &mut String, heading: &str, words: impl Iterator<Item = String>
     let _ = writeln!(text, "{line}");
 }
 
+/// What a line holds behind an indent of four.
+const ROOM: usize = 116;
+
 /// A walk a block, because the keys of some fill a line.
 fn walks(families: &[Family], structure: &str) -> String {
     let mut text = String::new();
     let queries = |names: &[&str]| if names.is_empty() { "-".to_owned() } else { names.join(" ") };
     for family in families.iter().filter(|family| family.structure == structure) {
         let (cpu, gpu) = (queries(&family.cpu), queries(&family.gpu));
-        let _ = writeln!(text, "  {}\n    {}\n    CPU {cpu:<22}  GPU {gpu}", family.walk, family.about);
+        let queries = format!("CPU {cpu:<21} GPU {gpu}");
+        // In one line where there is room, so that the list stays short.
+        let line = format!("{queries:<51} {}", family.about);
+        let words = if line.len() <= ROOM { line } else { format!("{queries}\n    {}", family.about) };
+        let _ = writeln!(text, "  {}\n    {words}", family.walk);
     }
     text
 }
@@ -182,23 +189,21 @@ mod tests {
 
     #[test]
     fn every_structure_and_every_family_is_printed() {
-        let text = text(&[]);
+        let text = format!("\n{}", text(&[]));
         for spec in StructureSpec::every() {
             let words = text.split_whitespace().filter(|word| *word == spec.to_string());
             assert!(words.count() >= 1, "{spec}");
         }
         for family in families() {
             let queries = |names: &[&str]| if names.is_empty() { "-".to_owned() } else { names.join(" ") };
-            let block = format!(
-                "\n  {}\n    {}\n    CPU {:<22}  GPU {}\n",
-                family.walk,
-                family.about,
-                queries(&family.cpu),
-                queries(&family.gpu)
-            );
-            let section = text.split(&format!("{}: ", family.structure)).nth(1).unwrap();
-            let section = section.split("\n\n").next().unwrap();
-            assert!(format!("{section}\n").contains(&block), "{block} is not in {section}");
+            let (cpu, gpu) = (queries(&family.cpu), queries(&family.gpu));
+            let beside = format!("\n  {}\n    CPU {cpu:<21} GPU {gpu:<21} {}\n", family.walk, family.about);
+            let below = format!("\n  {}\n    CPU {cpu:<21} GPU {gpu}\n    {}\n", family.walk, family.about);
+            let blocks = [beside, below];
+            let section = text.split(&format!("\n{}: ", family.structure)).nth(1).unwrap();
+            let section = format!("{}\n", section.split("\n\n").next().unwrap());
+            let count = blocks.iter().filter(|block| section.contains(*block)).count();
+            assert_eq!(count, 1, "{} is not in {section}", blocks[0]);
         }
         for kind in kinds() {
             for key in kind.keys {

@@ -1,11 +1,12 @@
 //! The kinds of structures and their keys: what may be written behind a structure's name, and what it means.
 
 use ropewalk::bvh::{LeafOrder, MAX_DEPTH};
+use ropewalk::bvh8::{Preset, SimdLevel};
 use ropewalk::catalogue::StructureKind;
 use ropewalk::traversal_list::{Bounds, ChildOrder, Clearance, Cull, Directions, Heads, Source};
 use ropewalk::two_level::Opening;
 use ropewalk::wide_bvh::{Collapse, Width};
-use ropewalk::{BuildOptions, Builder, KdOptions, ListOptions, StructureSpec};
+use ropewalk::{BuildOptions, Builder, Bvh8Options, KdOptions, ListOptions, StructureSpec};
 use serde::Serialize;
 
 /// A kind of structure and how it is written.
@@ -48,6 +49,14 @@ pub(crate) fn kinds() -> Vec<KindRecord> {
                     vec![width, collapse],
                 )
             }
+            StructureKind::Bvh8 => (
+                "a packed hierarchy of 8 children a node for the CPU's vectors: the fastest on a CPU",
+                bvh8_keys().into(),
+            ),
+            StructureKind::Instanced => (
+                "packed hierarchies of objects, under one over all instances: the fastest for many instances",
+                bvh8_keys().into(),
+            ),
             StructureKind::List => (
                 "traversal lists: elements in the order of the walk, with escape indices",
                 list_keys().into(),
@@ -93,6 +102,20 @@ fn choice<T: PartialEq>(
     let default = names.iter().find(|(_, value)| value == default).map_or(NONE, |(name, _)| name);
     let values: Vec<&str> = names.iter().map(|(name, _)| *name).collect();
     KeyRecord { key, values: values.join("|"), default: default.into(), about }
+}
+
+fn bvh8_keys() -> [KeyRecord; 2] {
+    let plain = Bvh8Options::default();
+    let levels: Vec<&str> = std::iter::once("auto").chain(SimdLevel::EVERY.map(SimdLevel::name)).collect();
+    [
+        choice("preset", Preset::NAMES, &plain.preset, "how much work goes into the tree"),
+        KeyRecord {
+            key: "level",
+            values: levels.join("|"),
+            default: "auto".into(),
+            about: "vector instructions; auto: the best of the machine",
+        },
+    ]
 }
 
 fn kd_keys() -> [KeyRecord; 5] {

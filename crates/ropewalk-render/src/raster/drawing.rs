@@ -11,7 +11,7 @@ use crate::error::RenderError;
 use crate::trace::Trace;
 use glam::DVec3;
 use ropewalk::two_level::{EnteredInstance, Placed};
-use ropewalk::{Aabb, FlatTriangle, Hit, PreparedRay, Ray, Structure, Traced, TwoLevel};
+use ropewalk::{Aabb, FlatTriangle, Hit, PreparedRay, Ray, Structure, Traced};
 use std::ops::Range;
 
 /// The triangles of a structure, ready to be drawn on the device that traces it.
@@ -57,7 +57,18 @@ impl<'a> Drawing<'a> {
         })?;
         let mut drawing = Self { structure, triangles: Vec::new(), parts: Vec::new(), adapter: None };
         match structure {
-            Structure::TwoLevel(scene) => drawing.take_objects(scene)?,
+            Structure::TwoLevel(scene) => {
+                let objects = scene.objects().iter().map(|object| match object {
+                    Some(object) => (object.triangles(), object.bounds()),
+                    None => (Vec::new(), Aabb::EMPTY),
+                });
+                drawing.take_objects(objects, scene.placed())?;
+            }
+            Structure::Instanced(scene) => {
+                let objects = scene.objects().iter().enumerate();
+                let objects = objects.map(|(index, object)| (scene.triangles_of(index), object.bounds()));
+                drawing.take_objects(objects, scene.placed())?;
+            }
             flat => drawing.take_instances(flat),
         }
         if let Some(gpu) = tracer.gpu() {
@@ -91,20 +102,20 @@ impl<'a> Drawing<'a> {
         self.triangles = triangles;
     }
 
-    /// Of two levels.
-    fn take_objects(&mut self, scene: &TwoLevel) -> Result<(), RenderError> {
-        let mut ranges = Vec::with_capacity(scene.objects().len());
-        for object in scene.objects() {
+    /// Of two levels: the triangles of each object with the box around them, and where objects are.
+    fn take_objects(
+        &mut self,
+        objects: impl Iterator<Item = (Vec<FlatTriangle>, Aabb)>,
+        placed: &[Placed],
+    ) -> Result<(), RenderError> {
+        let mut ranges = Vec::new();
+        for (triangles, bounds) in objects {
             let first = self.triangles.len();
-            if let Some(object) = object {
-                self.triangles.extend(object.triangles());
-            }
-            ranges.push(first..self.triangles.len());
+            self.triangles.extend(triangles);
+            ranges.push((first..self.triangles.len(), bounds));
         }
-        for (place, placed) in (0..).zip(scene.placed()) {
-            let object = placed.object as usize;
-            let (Some(range), Some(Some(structure))) = (ranges.get(object), scene.objects().get(object))
-            else {
+        for (place, placed) in (0..).zip(placed) {
+            let Some((range, bounds)) = ranges.get(placed.object as usize) else {
                 return Err(RenderError::Raster(format!("instance {} names no object", placed.instance())));
             };
             let (axes, origin) = map_of(placed);
@@ -112,7 +123,7 @@ impl<'a> Drawing<'a> {
                 triangles: range.clone(),
                 axes,
                 origin,
-                bounds: structure.bounds(),
+                bounds: *bounds,
                 world: placed.bounds(),
                 place: Some(place),
                 instance_and_mask: placed.instance_and_mask,
@@ -154,6 +165,7 @@ impl<'a> Drawing<'a> {
     pub(super) fn enter(&self, part: &Part, question: &Ray, ray: &PreparedRay) -> Option<EnteredInstance> {
         match (self.structure, part.place) {
             (Structure::TwoLevel(scene), Some(place)) => scene.entered(place, question, ray),
+            (Structure::Instanced(scene), Some(place)) => scene.entered(place, question, ray),
             _ => None,
         }
     }

@@ -2,11 +2,17 @@
 #![allow(dead_code, reason = "each test file uses its own share")]
 
 use ropewalk::glam::{Vec2, Vec3};
-use ropewalk::{Mesh, NoMonitor, Scene, Structure, StructureSpec, Transform};
-use ropewalk_render::{Ground, Picture, RenderSettings, Renderer, Stage, StageOptions, Trace, image_file};
+use ropewalk::{
+    Answer, Mesh, NoMonitor, Query, Ray, Scene, Structure, StructureSpec, TraceOptions, Traced, Transform,
+    Walk,
+};
+use ropewalk_render::{
+    CameraChoice, Ground, Picture, RenderSettings, Renderer, Stage, StageOptions, Trace, image_file,
+};
 use ropewalk_scene::{
     CornerAttribute, Light, Material, MaterialAssignment, Model, Surface, Texture, TextureUse,
 };
+use std::error::Error;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
@@ -182,6 +188,29 @@ pub(crate) fn render(stage: &Stage, tracer: &dyn Trace, settings: &RenderSetting
     Renderer::new(stage, tracer)
         .render(settings, &|_, _| ControlFlow::Continue(()))
         .expect("the settings are in range")
+}
+
+pub(crate) fn look(eye: Vec3, target: Vec3, degrees: f32) -> CameraChoice {
+    CameraChoice::Look { eye, target, up: Some(Vec3::Y), vertical_fov: Some(degrees.to_radians()) }
+}
+
+/// A tracer for which nothing is ever in the way of light.
+pub(crate) struct Open(pub(crate) Structure);
+
+impl Trace for Open {
+    fn trace_batch(
+        &self,
+        walk: Walk,
+        query: Query,
+        rays: &[Ray],
+        options: TraceOptions,
+    ) -> Result<Traced, Box<dyn Error + Send + Sync>> {
+        let mut traced = self.0.trace(walk, query, rays, options)?;
+        if let Answer::Any(blocked) = &mut traced.answer {
+            blocked.fill(false);
+        }
+        Ok(traced)
+    }
 }
 
 /// Compares a picture with the stored one, byte by byte. With `ROPEWALK_UPDATE_IMAGES=1` it is written anew.

@@ -38,6 +38,7 @@ impl Kin {
             StructureSpec::TwoLevel(options) if options.oriented || !is_unmoved(case) => {
                 Some(options.oriented)
             }
+            StructureSpec::Instanced(_) if !is_unmoved(case) => Some(false),
             _ => None,
         };
         Self { one_sided: structure.is_one_sided(), two_level }
@@ -285,7 +286,10 @@ pub(super) fn structure(structure: &Structure, spec: StructureSpec, case: &Case)
         ));
     }
     // These have each triangle once, and references to it in their elements, leaves or objects.
-    let is_once = matches!(structure, Structure::List(_) | Structure::KdTree(_) | Structure::TwoLevel(_));
+    let is_once = matches!(
+        structure,
+        Structure::List(_) | Structure::KdTree(_) | Structure::TwoLevel(_) | Structure::Instanced(_)
+    );
     let held = if is_once { report.triangles } else { report.references };
     if held != structure.triangles().len() {
         return Err("the report counts references that are not there".into());
@@ -311,6 +315,18 @@ pub(super) fn structure(structure: &Structure, spec: StructureSpec, case: &Case)
                 return Err(format!("the nodes have {} children", bvh.width().children()));
             }
             bvh.validate().map_err(|error| error.to_string())
+        }
+        (Structure::Bvh8(bvh), StructureSpec::Bvh8(options)) => {
+            if options.level.is_some_and(|level| level.is_available() && level != bvh.level()) {
+                return Err(format!("walks use the vectors of '{}'", bvh.level()));
+            }
+            bvh.validate().map_err(|error| error.to_string())
+        }
+        (Structure::Instanced(scene), StructureSpec::Instanced(options)) => {
+            if options.level.is_some_and(|level| level.is_available() && level != scene.level()) {
+                return Err(format!("walks use the vectors of '{}'", scene.level()));
+            }
+            scene.validate().map_err(|error| error.to_string())
         }
         (Structure::List(list), StructureSpec::List(options)) => {
             if *list.options() != options {

@@ -7,6 +7,7 @@
 //! no leaf twice. A triangle that spatial splits put into several leaves may be tested once in each. A list has no leaves and
 //! no stack: each element counts as a node or as a test, and a ray meets those of its own list of each layer alone, once.
 
+use ropewalk::bvh8::Instanced;
 use ropewalk::catalogue::Row;
 use ropewalk::traversal_list::{Element, list_of};
 use ropewalk::{
@@ -51,6 +52,20 @@ struct Holding {
 }
 
 impl Holding {
+    /// Of both levels of packed trees: each instance has what its object has.
+    fn of_instances(scene: &Instanced) -> Self {
+        let below: usize = scene.objects().iter().map(|object| object.report().nodes).sum();
+        let top = scene.report().nodes - below;
+        let mut sum = Self { inner_nodes: top, has_root: top > 0, ..Self::default() };
+        for placed in scene.placed() {
+            let report = scene.objects()[placed.object as usize].report();
+            sum.inner_nodes += report.nodes - report.leaves;
+            sum.leaves += report.leaves;
+            sum.triangles += report.references;
+        }
+        sum
+    }
+
     /// Of both levels: each instance has what its object has, a list all of its elements.
     fn of_levels(scene: &TwoLevel) -> Self {
         let top = scene.placed().len().saturating_sub(1);
@@ -77,6 +92,9 @@ impl<'a> Holdings<'a> {
         let list = match structure {
             Structure::List(list) => list,
             Structure::TwoLevel(scene) => return Self { list: None, each: vec![Holding::of_levels(scene)] },
+            Structure::Instanced(scene) => {
+                return Self { list: None, each: vec![Holding::of_instances(scene)] };
+            }
             _ => {
                 let report = structure.report();
                 let inner_nodes = report.nodes - report.leaves;
@@ -149,15 +167,17 @@ fn check_ray(
     if is_leaf_without_test || (hit && counted.primitive_tests == 0) {
         return Err("a leaf was entered or a hit found without a test");
     }
-    match structure {
-        Structure::TwoLevel(scene) if counted.objects_entered as usize > scene.placed().len() => {
+    let instances = match structure {
+        Structure::TwoLevel(scene) => Some(scene.placed().len()),
+        Structure::Instanced(scene) => Some(scene.placed().len()),
+        _ => None,
+    };
+    match instances {
+        Some(instances) if counted.objects_entered as usize > instances => {
             return Err("more objects were entered than there are");
         }
-        Structure::TwoLevel(_) if hit && counted.objects_entered == 0 => {
-            return Err("a hit was found in no object");
-        }
-        Structure::TwoLevel(_) => {}
-        _ if counted.objects_entered > 0 => return Err("a walk over one structure enters no object"),
+        Some(_) if hit && counted.objects_entered == 0 => return Err("a hit was found in no object"),
+        None if counted.objects_entered > 0 => return Err("a walk over one structure enters no object"),
         _ => {}
     }
     match row.walk {
@@ -175,7 +195,7 @@ fn check_ray(
         // Of two levels the instances decide in whose boxes the ray is.
         let all_leaves = counted.leaf_visits as usize == if by_number && !is_list { 0 } else { leaves };
         let everything = counted.primitive_tests as usize == triangles && all_leaves;
-        let may_stop = row.query == Query::Any && hit || kind == StructureKind::TwoLevel;
+        let may_stop = row.query == Query::Any && hit || instances.is_some();
         if counted.inner_visits > 0 || !(everything || may_stop) {
             return Err("brute force tests every triangle once and no box");
         }
@@ -190,6 +210,13 @@ fn check_ray(
 fn deepest_stack(structure: &Structure, walk: Walk) -> u32 {
     let of_tree = match structure {
         Structure::WideBvh(bvh) => bvh.stack_entries(),
+        // All children of a node may wait, before the first is taken again.
+        Structure::Bvh8(bvh) => bvh.report().depth * 7 + 1,
+        // Each level has a stack of its own.
+        Structure::Instanced(scene) => {
+            let deepest = scene.objects().iter().map(|object| object.report().depth).max().unwrap_or(0);
+            deepest.max(scene.report().depth - deepest) * 7 + 1
+        }
         Structure::List(_) => 0,
         Structure::TwoLevel(scene) => {
             let bottoms = scene.objects().iter().flatten().map(|object| object.bottom().stack_entries());

@@ -39,7 +39,9 @@ pub fn relations(kind: StructureKind, case: &Case, runs: &[(usize, Row, &Traced)
             runs.stacks();
             runs.in_one_order(Walk::List);
         }
-        StructureKind::WideBvh => runs.in_one_order(ORDERED),
+        // Of a packed tree each query has an order of its own.
+        StructureKind::Bvh8 => {}
+        StructureKind::WideBvh | StructureKind::Instanced => runs.in_one_order(ORDERED),
         StructureKind::List => runs.in_one_order(Walk::List),
         StructureKind::KdTree => runs.in_one_order(ORDERED),
         StructureKind::TwoLevel => {

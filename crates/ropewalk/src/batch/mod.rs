@@ -7,7 +7,8 @@ pub use filter::Keep;
 pub use trace::settle;
 pub(crate) use trace::{Batch, Question, Traversal, answer_each, gather};
 
-use crate::{CounterTotals, Counters, Hit, Query, Status};
+use crate::{CounterTotals, Counters, Hit, Query, Ray, Status};
+use trace::statuses;
 
 /// How a batch is traced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -102,6 +103,11 @@ pub struct Traced {
 }
 
 impl Traced {
+    /// Answers without counters.
+    pub(crate) fn uncounted(answer: Answer, rays: &[Ray]) -> Self {
+        Self { answer, status: statuses(rays), counters: None }
+    }
+
     /// How many rays have `bit` set in their status.
     #[must_use]
     pub fn count_status(&self, bit: Status) -> usize {

@@ -202,7 +202,7 @@ fn keep_first_of_each(hits: &mut Vec<Hit>, first: usize) {
     hits.truncate(kept);
 }
 
-fn statuses<Q: Question>(questions: &[Q]) -> Vec<Status> {
+pub(super) fn statuses<Q: Question>(questions: &[Q]) -> Vec<Status> {
     let status =
         |question: &Q| if question.ray().is_valid() { Status::COMPLETE } else { Status::INVALID_RAY };
     questions.iter().map(status).collect()

@@ -41,6 +41,10 @@ pub enum StructureKind {
     Bvh,
     /// [`crate::WideBvh`].
     WideBvh,
+    /// [`crate::Bvh8`].
+    Bvh8,
+    /// [`crate::bvh8::Instanced`].
+    Instanced,
     /// [`crate::TraversalList`].
     List,
     /// [`crate::KdTree`].
@@ -51,7 +55,8 @@ pub enum StructureKind {
 
 impl StructureKind {
     /// Every kind.
-    pub const EVERY: [Self; 5] = [Self::Bvh, Self::WideBvh, Self::List, Self::KdTree, Self::TwoLevel];
+    pub const EVERY: [Self; 7] =
+        [Self::Bvh, Self::WideBvh, Self::Bvh8, Self::Instanced, Self::List, Self::KdTree, Self::TwoLevel];
 
     /// The name on the command line, without its keys.
     #[must_use]
@@ -59,6 +64,8 @@ impl StructureKind {
         match self {
             Self::Bvh => "bvh",
             Self::WideBvh => "wide-bvh",
+            Self::Bvh8 => "bvh8",
+            Self::Instanced => "bvh8-instanced",
             Self::List => "list",
             Self::KdTree => "kd-tree",
             Self::TwoLevel => "two-level",
@@ -71,7 +78,9 @@ impl StructureKind {
     #[must_use]
     pub const fn default_walk(self) -> Walk {
         match self {
-            Self::Bvh | Self::WideBvh | Self::KdTree | Self::TwoLevel => Walk::Stack(StackOrder::Ordered),
+            Self::Bvh | Self::WideBvh | Self::Bvh8 | Self::Instanced | Self::KdTree | Self::TwoLevel => {
+                Walk::Stack(StackOrder::Ordered)
+            }
             Self::List => Walk::List,
         }
     }
@@ -121,6 +130,9 @@ pub const fn is_offered(structure: StructureKind, walk: Walk, query: Query, devi
     let on_cpu = matches!(device, DeviceKind::Cpu);
     match (walk, structure) {
         (Walk::BruteForce, _) => on_cpu,
+        // Their layout is that of a CPU's vectors.
+        (Walk::Stack(StackOrder::Ordered), StructureKind::Bvh8 | StructureKind::Instanced) => on_cpu,
+        (_, StructureKind::Bvh8 | StructureKind::Instanced) => false,
         // The one walk of lists; on a graphics adapter they have no other.
         (Walk::List, StructureKind::List) => true,
         // By skip pointers.
@@ -202,6 +214,7 @@ mod tests {
             "two-level:oriented=no,opening=by-cost,parts=8,max-depth=20",
             "two-level:bottom=wide-bvh,opening=blindly,width=4,builder=sbvh",
             "two-level:bottom=mixed",
+            "bvh8-instanced:preset=fast,level=portable",
         ] {
             assert_eq!(full.parse::<StructureSpec>().unwrap().to_string(), full);
         }

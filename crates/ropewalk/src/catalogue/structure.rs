@@ -3,6 +3,7 @@
 use super::spec::{Spec, Written, number, pick, unknown};
 use super::{StructureKind, Walk};
 use crate::bvh::{BuildOptions, Builder, Bvh, LeafOrder};
+use crate::bvh8::{Bvh8, Bvh8Options, Instanced, Preset, SimdLevel};
 use crate::error::{BuildError, CatalogueError, TraceError};
 use crate::kd_tree::{Depth, KdOptions, KdTree};
 use crate::traversal_list::{
@@ -23,6 +24,10 @@ pub enum StructureSpec {
     Bvh(BuildOptions),
     /// A bounding volume hierarchy of 4 or 8 children a node.
     WideBvh(WideOptions),
+    /// A packed bounding volume hierarchy of 8 children a node, for the CPU's vectors.
+    Bvh8(Bvh8Options),
+    /// Objects with packed hierarchies of their own, under one over their instances.
+    Instanced(Bvh8Options),
     /// Traversal lists.
     List(ListOptions),
     /// A kd-tree.
@@ -70,6 +75,12 @@ impl StructureSpec {
             Self::Bvh(sbvh),
             Self::WideBvh(wide),
             Self::WideBvh(WideOptions { width: Width::Four, collapse: Collapse::Sah, build: sbvh }),
+            Self::Bvh8(Bvh8Options::default()),
+            Self::Bvh8(Bvh8Options { preset: Preset::High, level: Some(SimdLevel::Portable) }),
+            Self::Bvh8(Bvh8Options { preset: Preset::Fast, level: Some(SimdLevel::Avx2) }),
+            Self::Bvh8(Bvh8Options { preset: Preset::Fastest, level: None }),
+            Self::Instanced(Bvh8Options::default()),
+            Self::Instanced(Bvh8Options { preset: Preset::High, level: Some(SimdLevel::Portable) }),
             Self::List(list),
             Self::List(ListOptions {
                 source: Source::Sah,
@@ -113,6 +124,8 @@ impl StructureSpec {
         match self {
             Self::Bvh(_) => StructureKind::Bvh,
             Self::WideBvh(_) => StructureKind::WideBvh,
+            Self::Bvh8(_) => StructureKind::Bvh8,
+            Self::Instanced(_) => StructureKind::Instanced,
             Self::List(_) => StructureKind::List,
             Self::KdTree(_) => StructureKind::KdTree,
             Self::TwoLevel(_) => StructureKind::TwoLevel,
@@ -125,7 +138,7 @@ impl StructureSpec {
         match self {
             Self::Bvh(options) => Some(options),
             Self::WideBvh(options) => Some(&options.build),
-            Self::List(_) | Self::KdTree(_) | Self::TwoLevel(_) => None,
+            Self::Bvh8(_) | Self::Instanced(_) | Self::List(_) | Self::KdTree(_) | Self::TwoLevel(_) => None,
         }
     }
 
@@ -135,7 +148,7 @@ impl StructureSpec {
         match self {
             Self::Bvh(_) => Self::Bvh(build),
             Self::WideBvh(options) => Self::WideBvh(WideOptions { build, ..options }),
-            Self::List(_) | Self::KdTree(_) | Self::TwoLevel(_) => self,
+            Self::Bvh8(_) | Self::Instanced(_) | Self::List(_) | Self::KdTree(_) | Self::TwoLevel(_) => self,
         }
     }
 
@@ -143,7 +156,7 @@ impl StructureSpec {
     #[must_use]
     pub const fn is_one_sided(&self) -> bool {
         match self {
-            Self::Bvh(_) | Self::WideBvh(_) | Self::KdTree(_) => false,
+            Self::Bvh(_) | Self::WideBvh(_) | Self::Bvh8(_) | Self::Instanced(_) | Self::KdTree(_) => false,
             Self::List(options) => options.is_one_sided(),
             Self::TwoLevel(options) => options.is_one_sided(),
         }
@@ -157,6 +170,10 @@ impl StructureSpec {
         match self {
             Self::Bvh(options) => Ok(Structure::Bvh(scene.build_monitored(options, monitor)?)),
             Self::WideBvh(options) => Ok(Structure::WideBvh(scene.build_wide_monitored(options, monitor)?)),
+            Self::Bvh8(options) => Ok(Structure::Bvh8(scene.build_packed_monitored(options, monitor)?)),
+            Self::Instanced(options) => {
+                Ok(Structure::Instanced(scene.build_instanced_monitored(options, monitor)?))
+            }
             Self::List(options) => Ok(Structure::List(scene.build_list_monitored(options, monitor)?)),
             Self::KdTree(options) => Ok(Structure::KdTree(scene.build_kd_monitored(options, monitor)?)),
             Self::TwoLevel(options) => {
@@ -194,6 +211,29 @@ const LIST_KEYS: [&str; 11] = [
     "frustum-grid",
     "moving",
 ];
+
+const BVH8_KEYS: [&str; 2] = ["preset", "level"];
+
+fn bvh8_keys(options: &Bvh8Options) -> Written {
+    let plain = Bvh8Options::default();
+    Written::default()
+        .chosen("preset", &options.preset, &plain.preset, Preset::NAMES)
+        .given("level", options.level)
+}
+
+/// Reads the keys of packed hierarchies, of one level and of two.
+fn bvh8(spec: Spec<'_>) -> Result<Bvh8Options, CatalogueError> {
+    let mut options = Bvh8Options::default();
+    for (key, value) in spec.options {
+        match key {
+            "preset" => options.preset = pick(key, value, Preset::NAMES)?,
+            "level" if value == "auto" => options.level = None,
+            "level" => options.level = Some(pick(key, value, SimdLevel::NAMES)?),
+            _ => return Err(unknown(&format!("key of the structure {}", spec.name), key, &BVH8_KEYS)),
+        }
+    }
+    Ok(options)
+}
 
 const KD_KEYS: [&str; 5] = ["max-depth", "traversal-cost", "intersection-cost", "empty-bonus", "duplication"];
 
@@ -238,7 +278,9 @@ fn two_level(options: Vec<(&str, &str)>) -> Result<StructureSpec, CatalogueError
         StructureSpec::Bvh(options) => BottomSpec::Bvh(options),
         StructureSpec::WideBvh(options) => BottomSpec::WideBvh(options),
         StructureSpec::List(options) => BottomSpec::List(options),
-        StructureSpec::TwoLevel(_) => return Err(unknown("structure of objects", bottom, &BOTTOMS)),
+        StructureSpec::Bvh8(_) | StructureSpec::Instanced(_) | StructureSpec::TwoLevel(_) => {
+            return Err(unknown("structure of objects", bottom, &BOTTOMS));
+        }
     };
     Ok(StructureSpec::TwoLevel(TwoLevelOptions { bottoms: Bottoms::Each(bottom), oriented, opening }))
 }
@@ -306,6 +348,8 @@ impl fmt::Display for StructureSpec {
                     .chosen("collapse", &options.collapse, &plain.collapse, Collapse::NAMES);
                 build_keys(written, &options.build).under("wide-bvh")
             }
+            Self::Bvh8(options) => bvh8_keys(options).under("bvh8"),
+            Self::Instanced(options) => bvh8_keys(options).under("bvh8-instanced"),
             Self::List(options) => {
                 let plain = ListOptions::default();
                 Written::default()
@@ -370,6 +414,8 @@ impl FromStr for StructureSpec {
                 }
                 Ok(Self::WideBvh(options))
             }
+            "bvh8" => bvh8(spec).map(Self::Bvh8),
+            "bvh8-instanced" => bvh8(spec).map(Self::Instanced),
             "list" => {
                 let mut options = ListOptions::default();
                 for (key, value) in spec.options {
@@ -409,7 +455,7 @@ impl FromStr for StructureSpec {
                 true => CatalogueError(format!("{error}; two-level has {}", TWO_LEVEL_KEYS.join(", "))),
                 false => error,
             }),
-            name => Err(unknown("structure", name, &["bvh", "wide-bvh", "list", "kd-tree", "two-level"])),
+            name => Err(unknown("structure", name, &StructureKind::EVERY.map(StructureKind::name))),
         }
     }
 }
@@ -422,6 +468,10 @@ pub enum Structure {
     Bvh(Bvh),
     /// A bounding volume hierarchy of 4 or 8 children a node.
     WideBvh(WideBvh),
+    /// A packed bounding volume hierarchy of 8 children a node, for the CPU's vectors.
+    Bvh8(Bvh8),
+    /// Objects with packed hierarchies of their own, under one over their instances.
+    Instanced(Instanced),
     /// Traversal lists.
     List(TraversalList),
     /// A kd-tree.
@@ -437,6 +487,8 @@ impl Structure {
         match self {
             Self::Bvh(_) => StructureKind::Bvh,
             Self::WideBvh(_) => StructureKind::WideBvh,
+            Self::Bvh8(_) => StructureKind::Bvh8,
+            Self::Instanced(_) => StructureKind::Instanced,
             Self::List(_) => StructureKind::List,
             Self::KdTree(_) => StructureKind::KdTree,
             Self::TwoLevel(_) => StructureKind::TwoLevel,
@@ -457,6 +509,8 @@ impl Structure {
         match self {
             Self::Bvh(bvh) => bvh.trace(walk, query, rays, options),
             Self::WideBvh(bvh) => bvh.trace(walk, query, rays, options),
+            Self::Bvh8(bvh) => bvh.trace(walk, query, rays, options),
+            Self::Instanced(scene) => scene.trace(walk, query, rays, options),
             Self::List(list) => list.trace(walk, query, rays, options),
             Self::KdTree(tree) => tree.trace(walk, query, rays, options),
             Self::TwoLevel(scene) => scene.trace(walk, query, rays, options),
@@ -492,6 +546,8 @@ impl Structure {
         match self {
             Self::Bvh(bvh) => bvh.trace_filtered(walk, query, rays, options, keep),
             Self::WideBvh(bvh) => bvh.trace_filtered(walk, query, rays, options, keep),
+            Self::Bvh8(bvh) => bvh.trace_filtered(walk, query, rays, options, keep),
+            Self::Instanced(scene) => scene.trace_filtered(walk, query, rays, options, keep),
             Self::List(list) => list.trace_filtered(walk, query, rays, options, keep),
             Self::KdTree(tree) => tree.trace_filtered(walk, query, rays, options, keep),
             Self::TwoLevel(scene) => scene.trace_filtered(walk, query, rays, options, keep),
@@ -511,7 +567,7 @@ impl Structure {
     ) -> Result<Traced, TraceError> {
         match self {
             Self::List(list) => list.trace_from(query, rays, starts, options),
-            Self::Bvh(_) | Self::WideBvh(_) | Self::KdTree(_) | Self::TwoLevel(_) => {
+            _ => {
                 Err(CatalogueError(format!("the structure '{}' has no heads to begin with", self.kind()))
                     .into())
             }
@@ -524,6 +580,8 @@ impl Structure {
         match self {
             Self::Bvh(bvh) => bvh.report(),
             Self::WideBvh(bvh) => bvh.report(),
+            Self::Bvh8(bvh) => bvh.report(),
+            Self::Instanced(scene) => scene.report(),
             Self::List(list) => list.report(),
             Self::KdTree(tree) => tree.report(),
             Self::TwoLevel(scene) => scene.report(),
@@ -534,7 +592,7 @@ impl Structure {
     #[must_use]
     pub const fn is_one_sided(&self) -> bool {
         match self {
-            Self::Bvh(_) | Self::WideBvh(_) | Self::KdTree(_) => false,
+            Self::Bvh(_) | Self::WideBvh(_) | Self::Bvh8(_) | Self::Instanced(_) | Self::KdTree(_) => false,
             Self::List(list) => list.is_one_sided(),
             Self::TwoLevel(scene) => scene.is_one_sided(),
         }
@@ -546,6 +604,8 @@ impl Structure {
         match self {
             Self::Bvh(bvh) => bvh.has_repeats(),
             Self::WideBvh(bvh) => bvh.has_repeats(),
+            Self::Bvh8(bvh) => bvh.has_repeats(),
+            Self::Instanced(scene) => scene.has_repeats(),
             Self::List(list) => list.has_repeats(),
             Self::KdTree(tree) => tree.has_repeats(),
             Self::TwoLevel(scene) => scene.has_repeats(),
@@ -560,6 +620,8 @@ impl Structure {
         match self {
             Self::Bvh(bvh) => Cow::Borrowed(bvh.triangles()),
             Self::WideBvh(bvh) => Cow::Borrowed(bvh.triangles()),
+            Self::Bvh8(bvh) => Cow::Owned(bvh.triangles()),
+            Self::Instanced(scene) => Cow::Owned(scene.triangles()),
             Self::List(list) => Cow::Owned(list.triangles().collect()),
             Self::KdTree(tree) => Cow::Borrowed(tree.triangles()),
             Self::TwoLevel(scene) => Cow::Owned(scene.triangles()),

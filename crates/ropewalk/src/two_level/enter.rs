@@ -36,8 +36,9 @@ impl<'a> Instances<'a> {
         let placed = &self.placed[place as usize];
         let structure = self.objects.get(placed.object as usize)?.as_deref()?;
         let span = placed.span(ray)?;
-        let LocalRay { ray: local, scale } = placed.local(question)?;
-        let moving = Moving { span, scale, t_max: local.t_max, instance: placed.instance() };
+        let local = placed.local(question)?;
+        let moving = Moving::new(placed, span, &local);
+        let local = local.ray;
         let bounds = structure.bounds();
         let limit = moving.limit(collect.t_max());
         slab_test(&local, bounds.min.extend(1.0), bounds.max.extend(1.0), limit)
@@ -84,7 +85,7 @@ pub(super) struct Approach<'a> {
 
 /// How `t` moves between an object's frame and the scene.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Moving {
+pub(crate) struct Moving {
     /// Where the ray is in the instance's box.
     span: Interval,
     /// See [`LocalRay::scale`].
@@ -95,27 +96,38 @@ pub(super) struct Moving {
 }
 
 impl Moving {
+    /// Of a ray that is in an instance's box at `span`, and in the object's frame.
+    #[inline(always)]
+    pub(crate) fn new(placed: &Placed, span: Interval, local: &LocalRay) -> Self {
+        Self { span, scale: local.scale, t_max: local.ray.t_max, instance: placed.instance() }
+    }
+
     /// How far the frame is searched where the scene is of interest up to a limit.
     #[inline(always)]
-    pub(super) fn limit(&self, limit: f32) -> f32 {
+    pub(crate) fn limit(&self, limit: f32) -> f32 {
         if limit >= self.span.exit { self.t_max } else { limit / self.scale }
     }
 
     /// The hit in the scene.
     #[inline(always)]
-    pub(super) fn hit(&self, hit: Hit) -> Hit {
+    pub(crate) fn hit(&self, hit: Hit) -> Hit {
+        Hit { t: self.t(hit.t), instance_index: self.instance, ..hit }
+    }
+
+    /// A `t` of the frame in the scene.
+    #[inline(always)]
+    pub(crate) fn t(&self, t: f32) -> f32 {
         // Plus zero, as of a triangle: no bit may depend on which of -0 and 0 came.
-        let t = smaller(larger(hit.t * self.scale, self.span.entry), self.span.exit) + 0.0;
-        Hit { t, instance_index: self.instance, ..hit }
+        smaller(larger(t * self.scale, self.span.entry), self.span.exit) + 0.0
     }
 }
 
 /// Offers an object's hits to the collector of the scene.
-pub(super) struct Moved<'a, C> {
-    pub(super) collect: &'a mut C,
-    pub(super) moving: Moving,
+pub(crate) struct Moved<'a, C> {
+    pub(crate) collect: &'a mut C,
+    pub(crate) moving: Moving,
     /// Whether the collector has enough.
-    pub(super) ended: bool,
+    pub(crate) ended: bool,
 }
 
 impl<C: Collect> Collect for Moved<'_, C> {

@@ -6,6 +6,7 @@ use crate::{
     Aabb, FlatTriangle, LARGEST_DIRECTION, PreparedRay, Ray, SMALLEST_DIRECTION, Transform, TransformError,
 };
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 
 /// An instance as walks have it: 24 little-endian words, the same on the CPU and in a GPU buffer.
 ///
@@ -44,11 +45,11 @@ pub const DIRECTION_STEP: f32 = f32::from_bits((127 + 64) << 23);
 
 /// A ray in the frame of an object.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct LocalRay {
-    pub(super) ray: PreparedRay,
+pub(crate) struct LocalRay {
+    pub(crate) ray: PreparedRay,
     /// A `t` there, times this, is the same `t` in the scene: 1, but where the direction's image would be too long or too
     /// short for a ray. A power of two, so nothing is rounded.
-    pub(super) scale: f32,
+    pub(crate) scale: f32,
 }
 
 impl Placed {
@@ -63,8 +64,17 @@ impl Placed {
         transform: &Transform,
         structure: &ObjectStructure,
     ) -> Result<Self, TransformError> {
-        let [x, y, z, origin] = structure.local(transform);
-        let world = structure.world_bounds(transform);
+        Self::of_map(instance, object, mask, structure.local(transform), &structure.world_bounds(transform))
+    }
+
+    /// Of the map from the scene to the object's frame, and the box in the scene.
+    pub(crate) fn of_map(
+        instance: u32,
+        object: u32,
+        mask: u32,
+        [x, y, z, origin]: [Vec3; 4],
+        world: &Aabb,
+    ) -> Result<Self, TransformError> {
         let size = x.abs().max(y.abs()).max(z.abs()).max_element();
         let is_usual = (SMALLEST_DIRECTION..=LARGEST_DIRECTION).contains(&size)
             && origin.is_finite()
@@ -103,7 +113,7 @@ impl Placed {
 
     /// Where a ray of the scene is in the box, or `None` where it is not, or does not see the instance.
     #[inline(always)]
-    pub(super) fn span(&self, ray: &PreparedRay) -> Option<Interval> {
+    pub(crate) fn span(&self, ray: &PreparedRay) -> Option<Interval> {
         if self.instance_and_mask & ray.mask == 0 {
             return None;
         }
@@ -116,9 +126,9 @@ impl Placed {
     /// The ray in the object's frame. Its direction is not renormalised, so `t` means the same there. `None` where all of the
     /// direction is lost to rounding.
     #[inline(always)]
-    pub(super) fn local(&self, ray: &Ray) -> Option<LocalRay> {
-        let [x, y, z, origin] = [self.axis_x, self.axis_y, self.axis_z, self.origin].map(glam::Vec3::from);
-        let map = |v: glam::Vec3| x * v.x + y * v.y + z * v.z;
+    pub(crate) fn local(&self, ray: &Ray) -> Option<LocalRay> {
+        let [x, y, z, origin] = [self.axis_x, self.axis_y, self.axis_z, self.origin].map(Vec3::from);
+        let map = |v: Vec3| x * v.x + y * v.y + z * v.z;
         let mut local = Ray { origin: map(ray.origin) + origin, dir: map(ray.dir), mask: Ray::ALL, ..*ray };
         let size = local.dir.abs().max_element();
         let mut scale = 1.0;

@@ -57,6 +57,9 @@ pub use single::EnteredInstance;
 pub use smart_stack::SmartStack;
 pub use top_level::TopLevel;
 
+pub(crate) use enter::{Moved, Moving};
+pub(crate) use object::{alone, image};
+
 use crate::{Aabb, BuildReport, FlatTriangle, Instance};
 use bytemuck::{Pod, Zeroable};
 use enter::Instances;

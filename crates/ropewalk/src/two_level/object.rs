@@ -128,7 +128,7 @@ impl ObjectStructure {
 }
 
 /// A scene of one object, placed as it is.
-fn alone(object: &Object) -> Scene {
+pub(crate) fn alone(object: &Object) -> Scene {
     let mut scene = Scene::default();
     let index = scene.add_object(object.clone());
     scene.add_instance(index, Transform::IDENTITY);
@@ -146,7 +146,7 @@ fn turn(scene: &mut Scene, frame: Mat3) {
 /// The box around the image of a box, from its middle and its half sizes, wider by more than all of this is rounded: a corner
 /// is a sum of four terms, each of which is rounded three times at most, and the vertices of a turned frame were rounded
 /// themselves. 16 times the unit roundoff of the sum of magnitudes is about twice that.
-fn image(matrix: &Mat3, translation: Vec3, bounds: &Aabb) -> Aabb {
+pub(crate) fn image(matrix: &Mat3, translation: Vec3, bounds: &Aabb) -> Aabb {
     if bounds.is_empty() {
         return Aabb::EMPTY;
     }

@@ -2,7 +2,7 @@
 //! walk which triangles a ray may meet, as a rasteriser does.
 
 use super::enter::{Approach, Moving};
-use super::{ObjectStructure, TwoLevel};
+use super::{ObjectStructure, Placed, TwoLevel};
 use crate::bvh::walk::{ClosestHit, Summary};
 use crate::{FlatTriangle, Hit, PreparedRay, Ray};
 
@@ -15,6 +15,14 @@ pub struct EnteredInstance {
 }
 
 impl EnteredInstance {
+    /// Of an object whose triangles have two sides, where a ray has a span in the box of its instance.
+    #[inline]
+    pub(crate) fn two_sided(placed: &Placed, question: &Ray, ray: &PreparedRay) -> Option<Self> {
+        let span = placed.span(ray)?;
+        let local = placed.local(question)?;
+        Some(Self { ray: local.ray, moving: Moving::new(placed, span, &local), is_one_sided: false })
+    }
+
     /// The hit with a triangle of the object, in its frame, up to a `t_max` of the scene: to the bit what a walk offers.
     #[inline]
     #[must_use]

@@ -81,7 +81,7 @@ fn bottom(text: &str) -> Result<BottomSpec, CatalogueError> {
         other => {
             let names: Vec<&str> = StructureKind::EVERY
                 .into_iter()
-                .filter(|&kind| kind != StructureKind::TwoLevel)
+                .filter(|kind| !matches!(kind, StructureKind::Bvh8 | StructureKind::Instanced | StructureKind::TwoLevel))
                 .map(StructureKind::name)
                 .collect();
             Err(CatalogueError(format!("objects cannot have '{other}'; they can have {}", names.join(", "))))

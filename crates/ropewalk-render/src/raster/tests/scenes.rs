@@ -1,6 +1,7 @@
 //! Scenes with cameras, and the structures in which they are drawn.
 
 use glam::{Affine3A, Quat, Vec3};
+use ropewalk::bvh8::{Bvh8Options, Preset};
 use ropewalk::kd_tree::KdOptions;
 use ropewalk::two_level::{BottomSpec, Bottoms, Opening, TwoLevelOptions};
 use ropewalk::{BuildOptions, Builder, ListOptions, Mesh, Scene, StructureSpec, Transform, WideOptions};
@@ -15,6 +16,7 @@ pub(super) fn specs() -> Vec<StructureSpec> {
         StructureSpec::WideBvh(WideOptions::default()),
         StructureSpec::List(ListOptions::BEST),
         StructureSpec::KdTree(KdOptions::default()),
+        StructureSpec::Instanced(Bvh8Options { preset: Preset::High, level: None }),
         StructureSpec::TwoLevel(TwoLevelOptions::default()),
         two_level(Bottoms::Each(BottomSpec::List(ListOptions::BEST)), true, Opening::Never),
         two_level(Bottoms::Mixed, false, Opening::ByCost(3)),

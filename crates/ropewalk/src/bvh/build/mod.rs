@@ -6,9 +6,9 @@ mod limits;
 pub(super) mod options;
 pub(crate) mod part;
 pub(crate) mod reference;
-mod reinsertion;
+pub(crate) mod reinsertion;
 mod sbvh;
-mod subtree;
+pub(crate) mod subtree;
 mod sweep;
 mod sweep_sah;
 

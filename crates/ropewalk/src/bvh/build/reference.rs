@@ -32,6 +32,12 @@ impl Reference {
         [self.low[axis], self.high[axis]]
     }
 
+    /// The corners of the box. The fourth lanes are numbers and mean nothing.
+    #[inline(always)]
+    pub(crate) fn corners(&self) -> Extent {
+        Extent { low: self.low, high: self.high }
+    }
+
     /// The parts of the box below a plane across `axis` and above it. The plane belongs to both.
     #[inline(always)]
     pub(crate) fn cut(&self, axis: usize, plane: f32) -> [Self; 2] {

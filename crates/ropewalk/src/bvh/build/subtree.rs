@@ -6,7 +6,7 @@ use crate::parallel::join;
 use bytemuck::Zeroable;
 
 /// A subtree on its way.
-pub(super) enum Subtree {
+pub(crate) enum Subtree {
     /// Nodes in depth-first order; the links of inner nodes count from the first of them.
     Whole(Vec<Node>),
     /// Two subtrees under one node.
@@ -19,7 +19,7 @@ pub(super) enum Subtree {
 }
 
 impl Subtree {
-    pub(super) fn split(bounds: Aabb, children: [Self; 2]) -> Self {
+    pub(crate) fn split(bounds: Aabb, children: [Self; 2]) -> Self {
         let len = 1 + children[0].len() + children[1].len();
         Self::Split { bounds, len, children: Box::new(children) }
     }
@@ -32,7 +32,7 @@ impl Subtree {
     }
 
     /// All nodes in depth-first order, links counted from the root.
-    pub(super) fn into_nodes(self) -> Vec<Node> {
+    pub(crate) fn into_nodes(self) -> Vec<Node> {
         match self {
             Self::Whole(nodes) => nodes,
             split @ Self::Split { .. } => {

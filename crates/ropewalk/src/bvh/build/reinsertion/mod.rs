@@ -61,7 +61,6 @@ mod search;
 mod tests;
 mod tree;
 
-use super::reference::Reference;
 use crate::bvh::{BuildOptions, Node};
 use crate::parallel::{fill_chunks, map_chunks};
 use crate::{BuildError, Monitor};
@@ -86,9 +85,9 @@ const CHUNK: usize = 256;
 
 /// Makes up to `options.reinsertion` rounds, fewer when nothing is left to gain. The references are put into the
 /// order of the leaves again.
-pub(super) fn optimise(
+pub(crate) fn optimise<T: Copy>(
     nodes: &[Node],
-    references: &mut Vec<Reference>,
+    references: &mut Vec<T>,
     options: &BuildOptions,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Node>, BuildError> {

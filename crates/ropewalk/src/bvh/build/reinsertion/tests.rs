@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::bvh::BuildReport;
-use crate::bvh::build::reference::{Extent, of_triangles};
+use crate::bvh::build::reference::{Extent, Reference, of_triangles};
 use crate::{FlatTriangle, NoMonitor};
 use bytemuck::Zeroable;
 use glam::Vec3;
@@ -245,7 +245,7 @@ fn trees_of_few_nodes_are_served() {
             assert!(report(&after, &ordered).sah_cost <= report(&nodes, &triangles).sah_cost);
         }
     }
-    assert_eq!(optimise(&[], &mut Vec::new(), &rounds(32, 64), &NoMonitor), Ok(Vec::new()));
+    assert_eq!(optimise(&[], &mut Vec::<Reference>::new(), &rounds(32, 64), &NoMonitor), Ok(Vec::new()));
 }
 
 /// Of two near ones and a far one the near ones are siblings afterwards: the one gain that five nodes can have.

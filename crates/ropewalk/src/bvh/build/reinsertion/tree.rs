@@ -1,6 +1,6 @@
 //! The tree while its subtrees move: children in pairs, every node with a way up.
 
-use super::super::reference::{Extent, Reference};
+use super::super::reference::Extent;
 use crate::bvh::Node;
 use bytemuck::Zeroable;
 use std::ops::Range;
@@ -65,7 +65,7 @@ impl Tree {
     }
 
     /// Lays the nodes out in depth-first order, and the references in the order of the leaves.
-    pub(super) fn lay_out(&self, references: &mut Vec<Reference>) -> Vec<Node> {
+    pub(super) fn lay_out<T: Copy>(&self, references: &mut Vec<T>) -> Vec<Node> {
         let mut nodes: Vec<Node> = Vec::with_capacity(self.slots().len());
         let mut ordered = Vec::with_capacity(references.len());
         // Slots to come, and the place of the node whose second child each is.

@@ -1,0 +1,204 @@
+//! AVX-512 F and VL on vectors of eight lanes: masks instead of branches, and compression in registers.
+//!
+//! Compression goes to a register and is then stored whole: the form that stores while it compresses is microcoded on Zen 4
+//! (142 cycles a store). What is stored beyond the top of the stack is overwritten by the next push.
+
+use super::avx2::pushed;
+use super::{Level, Task};
+use crate::bvh8::node::{PackedNode, Word};
+use crate::bvh8::tree::WIDTH;
+use crate::bvh8::walk::Stack;
+use std::arch::x86_64::*;
+
+/// Proof that the processor has the instructions.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct Avx512(());
+
+#[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn run<T: Task>(level: Avx512, task: T) -> T::Output {
+    task.run(level)
+}
+
+impl Level for Avx512 {
+    type Floats = __m256;
+    type Mask = __mmask8;
+
+    #[inline(always)]
+    fn detect() -> Option<Self> {
+        let there = is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512vl")
+            && is_x86_feature_detected!("avx512bw")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("lzcnt")
+            && is_x86_feature_detected!("popcnt");
+        there.then_some(Self(()))
+    }
+
+    #[inline(always)]
+    fn run<T: Task>(self, task: T) -> T::Output {
+        // SAFETY: the token proves that the processor has every feature that `run` is compiled for.
+        unsafe { run(self, task) }
+    }
+
+    #[inline(always)]
+    fn splat(self, number: f32) -> __m256 {
+        // SAFETY: the token proves that the instructions are there.
+        unsafe { _mm256_set1_ps(number) }
+    }
+
+    #[inline(always)]
+    fn row(self, row: &[f32; WIDTH]) -> __m256 {
+        // SAFETY: the token proves that the instructions are there; eight numbers are read from an array of eight.
+        unsafe { _mm256_loadu_ps(row.as_ptr()) }
+    }
+
+    #[inline(always)]
+    unsafe fn read(self, from: *const f32) -> __m256 {
+        // SAFETY: the token proves that the instructions are there; the rest is the caller's.
+        unsafe { _mm256_loadu_ps(from) }
+    }
+
+    #[inline(always)]
+    fn numbers(self, floats: __m256) -> [f32; WIDTH] {
+        let mut numbers = [0.0; WIDTH];
+        // SAFETY: the token proves that the instructions are there; eight numbers are written to an array of eight.
+        unsafe { _mm256_storeu_ps(numbers.as_mut_ptr(), floats) };
+        numbers
+    }
+
+    #[inline(always)]
+    fn add(self, a: __m256, b: __m256) -> __m256 {
+        // SAFETY: the token proves that the instructions are there.
+        unsafe { _mm256_add_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn sub(self, a: __m256, b: __m256) -> __m256 {
+        // SAFETY: the token proves that the instructions are there.
+        unsafe { _mm256_sub_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn mul(self, a: __m256, b: __m256) -> __m256 {
+        // SAFETY: the token proves that the instructions are there.
+        unsafe { _mm256_mul_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn div(self, a: __m256, b: __m256) -> __m256 {
+        // SAFETY: the token proves that the instructions are there.
+        unsafe { _mm256_div_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn smaller(self, a: __m256, b: __m256) -> __m256 {
+        // SAFETY: the token proves that the instructions are there.
+        unsafe { _mm256_min_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn larger(self, a: __m256, b: __m256) -> __m256 {
+        // SAFETY: the token proves that the instructions are there.
+        unsafe { _mm256_max_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn less(self, a: __m256, b: __m256) -> __mmask8 {
+        // SAFETY: the token proves that the instructions are there.
+        unsafe { _mm256_cmp_ps_mask::<_CMP_LT_OQ>(a, b) }
+    }
+
+    #[inline(always)]
+    fn at_most(self, a: __m256, b: __m256) -> __mmask8 {
+        // SAFETY: the token proves that the instructions are there.
+        unsafe { _mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b) }
+    }
+
+    #[inline(always)]
+    fn both(self, a: __mmask8, b: __mmask8) -> __mmask8 {
+        a & b
+    }
+
+    #[inline(always)]
+    fn either(self, a: __mmask8, b: __mmask8) -> __mmask8 {
+        a | b
+    }
+
+    #[inline(always)]
+    fn bits(self, mask: __mmask8) -> u32 {
+        u32::from(mask)
+    }
+
+    #[inline(always)]
+    fn select(self, mask: __mmask8, yes: __m256, no: __m256) -> __m256 {
+        // SAFETY: the token proves that the instructions are there.
+        unsafe { _mm256_mask_mov_ps(no, mask, yes) }
+    }
+
+    #[inline(always)]
+    fn push_ordered(
+        self,
+        node: &PackedNode,
+        octant_shift: u32,
+        entries: __m256,
+        hit: __mmask8,
+        stack: &mut Stack,
+    ) -> Word {
+        // SAFETY: the token proves that the instructions are there. The rows of a node are eight words on a boundary of 32
+        // bytes; `Stack::top` has room for eight.
+        unsafe {
+            let turns = _mm256_load_si256(node.order.as_ptr().cast());
+            let turns = _mm256_srl_epi32(turns, _mm_cvtsi32_si128(octant_shift as i32));
+            // What is missed gets an entry that no box has, so that one comparison behind the permutation tells.
+            let missed = _mm256_set1_ps(f32::INFINITY);
+            let near = _mm256_permutexvar_ps(turns, _mm256_mask_mov_ps(missed, hit, entries));
+            let words = _mm256_permutexvar_epi32(turns, _mm256_load_si256(node.children.as_ptr().cast()));
+            let kept = _mm256_cmp_ps_mask::<_CMP_LT_OQ>(near, missed);
+            let (word_top, entry_top) = stack.top();
+            let words = _mm256_maskz_compress_epi32(kept, words);
+            _mm256_storeu_si256(word_top.cast(), words);
+            _mm256_storeu_ps(entry_top, _mm256_maskz_compress_ps(kept, near));
+            pushed(words, hit.count_ones(), stack)
+        }
+    }
+
+    #[inline(always)]
+    fn push_unordered(self, node: &PackedNode, hit: __mmask8, stack: &mut Stack) -> Word {
+        // SAFETY: as above.
+        unsafe {
+            let words = _mm256_load_si256(node.children.as_ptr().cast());
+            let (word_top, _) = stack.top();
+            let words = _mm256_maskz_compress_epi32(hit, words);
+            _mm256_storeu_si256(word_top.cast(), words);
+            pushed(words, hit.count_ones(), stack)
+        }
+    }
+
+    #[inline(always)]
+    fn cull(self, stack: &mut Stack, t_max: f32) {
+        // SAFETY: the token proves that the instructions are there. Loads and stores of sixteen begin below the stack's
+        // length, and there are at least sixteen places above it; a store never reaches beyond what was loaded.
+        unsafe {
+            let (words, entries) = stack.bottom();
+            let limit = _mm512_set1_ps(t_max);
+            let (length, mut kept) = (stack.len(), 0);
+            let mut from = 0;
+            while from < length {
+                let here = (length - from).min(16);
+                let lanes = (0xffff_u32 >> (16 - here)) as __mmask16;
+                let word = _mm512_maskz_loadu_epi32(lanes, words.add(from).cast());
+                let entry = _mm512_maskz_loadu_ps(lanes, entries.add(from));
+                let keep = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(lanes, entry, limit);
+                _mm512_storeu_si512(words.add(kept).cast(), _mm512_maskz_compress_epi32(keep, word));
+                _mm512_storeu_ps(entries.add(kept), _mm512_maskz_compress_ps(keep, entry));
+                kept += keep.count_ones() as usize;
+                from += 16;
+            }
+            stack.shrink_to(kept);
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Every leaf, whatever its box: the reference.
+
+use super::single::visit_leaf;
+use super::sink::{Named, tell};
+use crate::batch::Traversal;
+use crate::bvh::walk::Collect;
+use crate::bvh8::node::{PackedNode, Word};
+use crate::bvh8::simd::{Level, Task, dispatch};
+use crate::bvh8::{Bvh8, ROOT};
+use crate::{Counters, FlatTriangle, PreparedRay, Probe, Ray};
+
+/// The leaves of a tree, in its order.
+struct Leaves<'a> {
+    bvh: &'a Bvh8,
+    pending: Vec<Word>,
+}
+
+impl Iterator for Leaves<'_> {
+    type Item = Word;
+
+    fn next(&mut self) -> Option<Word> {
+        loop {
+            let word = self.pending.pop()?;
+            if word.is_leaf() {
+                return Some(word);
+            }
+            let children = self.bvh.node(word).children;
+            self.pending.extend(children.into_iter().rev().map(Word).filter(|&word| word != ROOT));
+        }
+    }
+}
+
+impl Bvh8 {
+    fn leaves(&self) -> Leaves<'_> {
+        Leaves { bvh: self, pending: if self.is_empty() { Vec::new() } else { vec![ROOT] } }
+    }
+
+    /// The node of a word that was read from a node, or of the root's.
+    pub(in super::super) fn node(&self, word: Word) -> &PackedNode {
+        // SAFETY: inside of this folder there are no other words of nodes.
+        unsafe { self.place().view.node(word) }
+    }
+
+    /// Appends the triangles of a leaf, with their names.
+    pub(in super::super) fn read_leaf(&self, word: Word, triangles: &mut Vec<FlatTriangle>) {
+        // SAFETY: inside of this folder there are no other words of leaves.
+        let leaf = unsafe { self.place().view.leaf(word) };
+        for place in 0..leaf.len() {
+            let ([v0, v1, v2], name) = (leaf.vertices(place), self.names.name(leaf.name(place)));
+            triangles.push(FlatTriangle {
+                v0,
+                primitive: name.primitive,
+                v1,
+                geometry_and_mirror: name.geometry | if name.mirrored { FlatTriangle::MIRROR } else { 0 },
+                v2,
+                instance_and_mask: name.instance | name.mask,
+            });
+        }
+    }
+
+    /// The triangles, in the order of the leaves, as they stand there.
+    #[must_use]
+    pub fn triangles(&self) -> Vec<FlatTriangle> {
+        let mut triangles = Vec::with_capacity(self.report().references);
+        for word in self.leaves() {
+            self.read_leaf(word, &mut triangles);
+        }
+        triangles
+    }
+}
+
+/// The tree, and no walk.
+#[derive(Clone, Copy)]
+pub(super) struct EveryLeaf<'a>(pub(super) &'a Bvh8);
+
+impl Traversal for EveryLeaf<'_> {
+    fn visit<C: Collect, P: Probe>(
+        &self,
+        _: &Ray,
+        ray: &PreparedRay,
+        mut collect: C,
+        mut probe: P,
+    ) -> (C, P) {
+        let sink = Named::new(&mut collect, &self.0.names);
+        let counted = dispatch(self.0.level, Test { bvh: self.0, ray, sink });
+        tell(&counted, &mut probe);
+        (collect, probe)
+    }
+
+    fn has_repeats(&self) -> bool {
+        self.0.has_repeats()
+    }
+}
+
+struct Test<'a> {
+    bvh: &'a Bvh8,
+    ray: &'a PreparedRay,
+    sink: Named<'a, false>,
+}
+
+impl Task for Test<'_> {
+    type Output = Counters;
+
+    #[inline(always)]
+    fn run<L: Level>(mut self, level: L) -> Counters {
+        let mut counters = Counters::default();
+        for word in self.bvh.leaves() {
+            // SAFETY: the word was read from a node of this arena.
+            let flow =
+                unsafe { visit_leaf(level, self.bvh.place(), word, self.ray, &mut self.sink, &mut counters) };
+            if flow.is_break() {
+                break;
+            }
+        }
+        counters
+    }
+}

@@ -1,0 +1,207 @@
+//! One ray or many through two levels.
+
+use super::alone::{Each, One};
+use super::find::{FindAny, FindClosest, FindFor, Goal};
+use super::levels::Levels;
+use super::many::Many;
+use crate::batch::{Answer, Batch, Keep, TraceOptions, Traced, Traversal};
+use crate::bvh::StackOrder;
+use crate::bvh::walk::Collect;
+use crate::bvh8::Instanced;
+use crate::bvh8::simd::dispatch;
+use crate::bvh8::walk::brute_force::EveryLeaf;
+use crate::bvh8::walk::sink::tell;
+use crate::parallel::fill_chunks;
+use crate::two_level::{Moved, Moving};
+use crate::{CatalogueError, Counters, Hit, NoProbe, PreparedRay, Probe, Query, Ray, TraceError, Walk};
+use std::marker::PhantomData;
+
+/// Rays that a thread takes at a time.
+const CHUNK: usize = 4096;
+/// Beyond so many bytes of both levels rays are led in turn: what they wait for comes from memory.
+const LARGE: usize = 24 << 20;
+/// Rays in turn.
+const SLOTS: usize = 8;
+
+impl Instanced {
+    /// The closest hit of a ray; [`Hit::MISS`] where there is none or the ray is not valid.
+    #[must_use]
+    pub fn closest(&self, ray: &Ray) -> Hit {
+        self.one::<FindClosest<'_>>(ray)
+    }
+
+    /// Whether a ray hits anything in its window; false where the ray is not valid.
+    #[must_use]
+    pub fn any(&self, ray: &Ray) -> bool {
+        self.one::<FindAny>(ray)
+    }
+
+    /// How many hits a ray has in its window; 0 where the ray is not valid.
+    #[must_use]
+    pub fn count(&self, ray: &Ray) -> u32 {
+        Both::<false>(self).count(ray)
+    }
+
+    /// Replaces `hits` by every hit of a ray in its window, sorted by `t`, ties by id. None is left out: there is no most.
+    pub fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
+        hits.clear();
+        Both::<false>(self).append_all(ray, hits, NoProbe);
+    }
+
+    /// The closest hits of many rays, into `hits`, several rays in turn. Only the first `min(rays.len(), hits.len())` are traced.
+    pub fn closest_batch(&self, rays: &[Ray], hits: &mut [Hit]) {
+        self.many::<FindClosest<'_>>(rays, hits);
+    }
+
+    /// Whether each of many rays hits anything, into `hits`, several rays in turn. Only the first `min(rays.len(), hits.len())`
+    /// are traced.
+    pub fn any_batch(&self, rays: &[Ray], hits: &mut [bool]) {
+        self.many::<FindAny>(rays, hits);
+    }
+
+    /// Traces a batch by the walk with a stack or by brute force.
+    ///
+    /// # Errors
+    /// When the walk is another one.
+    pub fn trace(
+        &self,
+        walk: Walk,
+        query: Query,
+        rays: &[Ray],
+        options: TraceOptions,
+    ) -> Result<Traced, TraceError> {
+        self.trace_batch(walk, Batch { query, rays, options, keep: None })
+    }
+
+    /// Traces a batch by the walk with a stack or by brute force, as if the hits that `keep` does not keep were not there.
+    ///
+    /// # Errors
+    /// As [`Self::trace`].
+    pub fn trace_filtered(
+        &self,
+        walk: Walk,
+        query: Query,
+        rays: &[Ray],
+        options: TraceOptions,
+        keep: Keep<'_>,
+    ) -> Result<Traced, TraceError> {
+        self.trace_batch(walk, Batch { query, rays, options, keep: Some(keep) })
+    }
+
+    fn trace_batch(&self, walk: Walk, batch: Batch<'_>) -> Result<Traced, TraceError> {
+        let in_turn = batch.keep.is_none() && !batch.options.counters;
+        match (walk, batch.query) {
+            (Walk::BruteForce, _) => Ok(Everything(self).trace(batch)),
+            (Walk::Stack(StackOrder::Ordered), Query::Closest) if in_turn => {
+                let mut hits = vec![Hit::MISS; batch.rays.len()];
+                self.closest_batch(batch.rays, &mut hits);
+                Ok(Traced::uncounted(Answer::Closest(hits), batch.rays))
+            }
+            (Walk::Stack(StackOrder::Ordered), Query::Any) if in_turn => {
+                let mut hits = vec![false; batch.rays.len()];
+                self.any_batch(batch.rays, &mut hits);
+                Ok(Traced::uncounted(Answer::Any(hits), batch.rays))
+            }
+            (Walk::Stack(StackOrder::Ordered), Query::Closest) => Ok(Both::<true>(self).trace(batch)),
+            (Walk::Stack(StackOrder::Ordered), _) => Ok(Both::<false>(self).trace(batch)),
+            _ => {
+                let what = format!(
+                    "the walk '{walk}' does not go through instances of packed trees; these do: {}, {}",
+                    Walk::Stack(StackOrder::Ordered),
+                    Walk::BruteForce
+                );
+                Err(CatalogueError(what).into())
+            }
+        }
+    }
+
+    fn one<'a, G: Goal<'a>>(&'a self, ray: &Ray) -> G::Answer {
+        match PreparedRay::new(ray) {
+            Some(prepared) if !self.top().is_empty() => {
+                let (levels, find) = (Levels::of(self), G::new(&prepared));
+                let one = One { levels, question: ray, ray: &prepared, find, probe: NoProbe };
+                dispatch(self.level, one).0.answer()
+            }
+            _ => G::NOTHING,
+        }
+    }
+
+    fn many<'a, G: Goal<'a>>(&'a self, rays: &[Ray], answers: &mut [G::Answer]) {
+        let count = rays.len().min(answers.len());
+        let answers = &mut answers[..count];
+        if self.top().is_empty() {
+            answers.fill(G::NOTHING);
+            return;
+        }
+        let levels = Levels::of(self);
+        fill_chunks(answers, CHUNK, |first, answers| {
+            let rays = &rays[first..][..answers.len()];
+            if self.report().bytes > LARGE {
+                dispatch(self.level, Many::<'a, '_, G, SLOTS> { levels, rays, answers, goal: PhantomData });
+            } else {
+                dispatch(self.level, Each::<'a, '_, G> { levels, rays, answers, goal: PhantomData });
+            }
+        });
+    }
+}
+
+/// The walk, for what all structures share; children nearest first or in the order of their places.
+#[derive(Clone, Copy)]
+struct Both<'a, const ORDERED: bool>(&'a Instanced);
+
+impl<const ORDERED: bool> Traversal for Both<'_, ORDERED> {
+    fn visit<C: Collect, P: Probe>(
+        &self,
+        question: &Ray,
+        ray: &PreparedRay,
+        mut collect: C,
+        mut probe: P,
+    ) -> (C, P) {
+        if !self.0.top().is_empty() {
+            let (levels, find) = (Levels::of(self.0), FindFor::<ORDERED>::new(&mut collect));
+            let one = One { levels, question, ray, find, probe: Counters::default() };
+            let counted = dispatch(self.0.level, one).1;
+            tell(&counted, &mut probe);
+            (0..counted.objects_entered).for_each(|_| probe.object_entered());
+        }
+        (collect, probe)
+    }
+
+    fn has_repeats(&self) -> bool {
+        self.0.has_repeats()
+    }
+}
+
+/// Every triangle of every instance in whose box the ray is.
+#[derive(Clone, Copy)]
+struct Everything<'a>(&'a Instanced);
+
+impl Traversal for Everything<'_> {
+    fn visit<C: Collect, P: Probe>(
+        &self,
+        question: &Ray,
+        ray: &PreparedRay,
+        mut collect: C,
+        mut probe: P,
+    ) -> (C, P) {
+        for placed in self.0.placed() {
+            probe.object_tested();
+            let (Some(span), Some(local)) = (placed.span(ray), placed.local(question)) else { continue };
+            probe.object_entered();
+            let moving = Moving::new(placed, span, &local);
+            let bvh = &*self.0.objects()[placed.object as usize];
+            let moved = Moved { collect: &mut collect, moving, ended: false };
+            let (moved, counted) = EveryLeaf(bvh).visit(question, &local.ray, moved, Counters::default());
+            let ended = moved.ended;
+            tell(&counted, &mut probe);
+            if ended {
+                break;
+            }
+        }
+        (collect, probe)
+    }
+
+    fn has_repeats(&self) -> bool {
+        self.0.has_repeats()
+    }
+}
