@@ -39,6 +39,11 @@ use failure::Failure;
 use std::io::Write;
 use std::process::ExitCode;
 
+/// Counts what builds allocate, while it is told to: `bench --peers` shows the most that each takes.
+#[cfg(feature = "peers")]
+#[global_allocator]
+static ALLOCATOR: ropewalk_peers::CountingAllocator = ropewalk_peers::CountingAllocator;
+
 fn main() -> ExitCode {
     panic::silence();
     match panic::catch(run) {

@@ -3,6 +3,7 @@
 //!
 //! | module | concept |
 //! |---|---|
+//! | [`arena`] | ours and foreign engines side by side: rates, builds, refits, top levels |
 //! | [`mod@bench`] | one scene: builds, agreement of all walks, rates per ray class |
 //! | [`mod@comparison`] | what the comparisons of short stacks share |
 //! | [`closest_point`] | whether closest points are right, and what the walks to them cost |
@@ -18,6 +19,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod arena;
 pub mod bench;
 mod charts;
 pub mod closest_point;

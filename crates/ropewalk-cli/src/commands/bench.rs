@@ -1,5 +1,6 @@
 //! `ropewalk bench`: build times and rays a second, measured by `ropewalk-lab` and printed here.
 
+mod peers;
 mod report;
 
 use crate::device_argument;
@@ -34,7 +35,8 @@ Examples:
   ropewalk bench
   ropewalk bench bunny.ply sponza.obj --walk all --threads 1
   ropewalk bench room.obj --camera look:eye=0/2/5,target=0/1/0
-  ropewalk bench scene.glb --device cpu --device gpu --json > record.json";
+  ropewalk bench scene.glb --device cpu --device gpu --json > record.json
+  ropewalk bench --peers bunny.ply rotated:room.obj mixed:room.obj+dragon.ply";
 
 /// The arguments of `ropewalk bench`.
 #[derive(Args, Debug)]
@@ -60,9 +62,9 @@ pub(crate) struct Arguments {
     /// How often everything is measured
     #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u16).range(1..=1000))]
     rounds: u16,
-    /// Rays a class
-    #[arg(long, value_name = "N", default_value_t = 1 << 18, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
-    rays: u32,
+    /// Rays a class; by default 262144, and with --peers 1048576
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    rays: Option<u32>,
     /// From where primary rays come: auto (the file's first camera, else from outside) or
     /// look:eye=X/Y/Z,target=X/Y/Z[,fov=DEG]
     #[arg(long, value_name = "CAMERA", default_value = "auto")]
@@ -73,7 +75,12 @@ pub(crate) struct Arguments {
     /// Print one JSON document
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    peers: peers::Arguments,
 }
+
+/// Rays a class, where nobody says how many.
+const DEFAULT_RAYS: u32 = 1 << 18;
 
 /// From where primary rays come.
 #[derive(Clone, Copy, Debug)]
@@ -183,6 +190,9 @@ struct Document {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.peers.peers {
+        return peers::run(arguments);
+    }
     arguments.scenes.iter().try_for_each(SceneArgument::check)?;
     let machine = Machine::here();
     let settings = arguments.settings(machine.threads)?;
@@ -222,12 +232,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let verdict = verdict(arguments, &scenes);
     if arguments.json {
-        output::print_json(&Document { machine, rays: arguments.rays, seed: arguments.seed, scenes })?;
+        output::print_json(&Document { machine, rays: arguments.rays(), seed: arguments.seed, scenes })?;
     }
     verdict
 }
 
 impl Arguments {
+    fn rays(&self) -> u32 {
+        self.rays.unwrap_or(DEFAULT_RAYS)
+    }
+
     fn settings(&self, all_threads: usize) -> Result<BenchSettings, Failure> {
         let mut walks: Vec<Walk> = Vec::new();
         let plain = [Walks::One(self.structure.kind().default_walk())];
@@ -237,22 +251,28 @@ impl Arguments {
                 walks.push(walk);
             }
         }
-        let mut threads: Vec<usize> = match &self.threads[..] {
-            [] => vec![1, all_threads],
-            given => given.iter().copied().map(usize::from).collect(),
-        };
-        threads.sort_unstable();
-        threads.dedup();
+        let threads = self.thread_counts(all_threads);
         Ok(BenchSettings {
             structure: self.structure,
             walks,
             devices: self.devices()?,
             threads,
             rounds: self.rounds.into(),
-            rays: self.rays as usize,
+            rays: self.rays() as usize,
             seed: self.seed,
             view: None,
         })
+    }
+
+    /// In rising order, each once.
+    fn thread_counts(&self, all: usize) -> Vec<usize> {
+        let mut threads: Vec<usize> = match &self.threads[..] {
+            [] => vec![1, all],
+            given => given.iter().copied().map(usize::from).collect(),
+        };
+        threads.sort_unstable();
+        threads.dedup();
+        threads
     }
 
     fn devices(&self) -> Result<Vec<Device>, Failure> {

@@ -17,7 +17,7 @@ pub(super) fn heading(machine: &Machine, arguments: &Arguments, devices: &[Devic
         machine.ropewalk,
         machine.commit,
         machine.date,
-        thousands(arguments.rays),
+        thousands(arguments.rays()),
         arguments.rounds
     );
     for device in devices.iter().filter(|device| matches!(device, Device::Gpu(_))) {
