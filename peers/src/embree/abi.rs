@@ -160,7 +160,9 @@ functions! {
     release_scene: b"rtcReleaseScene\0" = fn(Scene);
     set_scene_flags: b"rtcSetSceneFlags\0" = fn(Scene, c_uint);
     set_scene_quality: b"rtcSetSceneBuildQuality\0" = fn(Scene, c_uint);
-    commit_scene: b"rtcCommitScene\0" = fn(Scene);
+    // Not `rtcCommitScene`: that works in the task arena of the calling thread, whose worker TBB then lets spin on the second core
+    // while others are measured. Joined, it works in the arena of the device.
+    commit_scene: b"rtcJoinCommitScene\0" = fn(Scene);
     new_geometry: b"rtcNewGeometry\0" = fn(Device, c_uint) -> Geometry;
     release_geometry: b"rtcReleaseGeometry\0" = fn(Geometry);
     set_geometry_quality: b"rtcSetGeometryBuildQuality\0" = fn(Geometry, c_uint);

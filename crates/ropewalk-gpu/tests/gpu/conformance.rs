@@ -113,6 +113,10 @@ fn every_row_of_levels_conforms() {
 fn no_kind_of_structure_is_left_out() {
     for row in catalogue::rows().iter().filter(|row| row.device == DeviceKind::Gpu) {
         let kind = row.structure.kind();
-        assert_eq!([TREES, LISTS_AND_CELLS, LEVELS].iter().filter(|some| some.contains(&kind)).count(), 1, "{kind:?}");
+        assert_eq!(
+            [TREES, LISTS_AND_CELLS, LEVELS].iter().filter(|some| some.contains(&kind)).count(),
+            1,
+            "{kind:?}"
+        );
     }
 }

@@ -9,7 +9,7 @@
 //! | `tracing` | rays a second, each class in turn |
 //! | `building`, `moving` | builds and bytes; refits, top levels, rays among copies |
 //! | `clocks` | what is measured with |
-//! | `record`, `tables` | rows, ratios, and how they are printed |
+//! | `record`, `tables`, `summary` | rows, ratios, and how they are printed, at length and for a README |
 //! | `ours`, `packed` | our own engines |
 //!
 //! **Fairness.** Everybody gets the triangles of one indexed mesh and the same rays of unit length, and writes whole hits. All
@@ -28,6 +28,7 @@ mod packed;
 mod rays;
 mod record;
 mod shape;
+mod summary;
 mod tables;
 mod tracing;
 mod viewpoint;
@@ -39,6 +40,7 @@ pub use mixed::{MixError, mixed};
 pub use rays::{Answers, ArenaClass, Packet, RaySet};
 pub use record::{Grade, Row, RowKind, StageRecord};
 pub use shape::{Shape, Turn};
+pub use summary::summary;
 pub use tables::markdown;
 pub use viewpoint::Viewpoint;
 

@@ -1,4 +1,4 @@
-//! The arena in tables of Markdown, for people and for the README.
+//! The arena in tables of Markdown.
 //!
 //! One table a scene and number of threads: an engine with its preset a line, a class of rays a column, the rate and behind it
 //! the ratio to the best peer. Builds, refits and top levels stand in tables of their own. Lines without a wrong answer say
@@ -75,7 +75,7 @@ fn rays(rows: &[&Row]) -> Option<String> {
     Some(text)
 }
 
-fn cell(row: &Row) -> String {
+pub(super) fn cell(row: &Row) -> String {
     let rate = row.mrays_per_s.map_or("-".into(), figures);
     match row.ratio_to_best_peer {
         Some(ratio) => format!("{rate} ({ratio:.2})"),
@@ -173,7 +173,7 @@ fn compared(row: &Row) -> String {
 }
 
 /// Three figures are all that such a measurement is good for.
-fn figures(number: f64) -> String {
+pub(super) fn figures(number: f64) -> String {
     match number {
         number if number < 1.0 => format!("{number:.3}"),
         number if number < 10.0 => format!("{number:.2}"),

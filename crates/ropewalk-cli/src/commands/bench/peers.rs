@@ -6,6 +6,8 @@
 #[cfg(feature = "peers")]
 mod arena;
 #[cfg(feature = "peers")]
+mod readme;
+#[cfg(feature = "peers")]
 mod stages;
 
 use crate::failure::Failure;
@@ -38,6 +40,10 @@ pub(super) struct Arguments {
     /// Write the tables to a Markdown file, too
     #[arg(long, value_name = "FILE", requires = "peers")]
     pub(super) markdown: Option<PathBuf>,
+    /// Put a short table of `bvh8:preset=high`, and of all builds, between the lines <!-- peers --> and <!-- /peers --> of this
+    /// file
+    #[arg(long, value_name = "FILE", requires = "peers")]
+    pub(super) readme: Option<PathBuf>,
     /// Embree 4's library; by default where it is usually installed, or what ROPEWALK_EMBREE4 names
     #[arg(long, value_name = "FILE", requires = "peers")]
     pub(super) embree4: Option<PathBuf>,

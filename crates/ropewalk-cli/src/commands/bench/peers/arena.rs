@@ -1,5 +1,6 @@
 //! The arena with all engines that this machine has.
 
+use super::readme::Readme;
 use super::stages::StageArgument;
 use crate::commands::bench::Arguments;
 use crate::failure::Failure;
@@ -16,6 +17,9 @@ use std::io::Write as _;
 
 /// Rays a class: the pixels of a picture of 1024 by 1024.
 const RAYS: u32 = 1 << 20;
+/// Whose rates are shown in short.
+const ENGINE: &str = "ropewalk bvh8";
+const PRESET: &str = "high";
 /// Builds take long and differ little.
 const MOST_BUILD_ROUNDS: usize = 5;
 
@@ -37,6 +41,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let stages: Vec<StageArgument> =
         arguments.scenes.iter().map(StageArgument::new).collect::<Result<_, _>>()?;
     let file = arguments.peers.markdown.as_deref().map(OutputFile::new).transpose()?;
+    let readme = arguments.peers.readme.as_deref().map(Readme::new).transpose()?;
     let machine = Machine::here();
     if !machine.optimized {
         note("this is a debug build: its times mean little; build with --release");
@@ -84,6 +89,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(file) = &file {
         let text = format!("{heading}{}", arena::markdown(&records));
         file.write(|out| out.write_all(text.as_bytes()))?;
+    }
+    if let Some(readme) = &readme {
+        readme.write(&heading, &arena::summary(&records, ENGINE, PRESET))?;
     }
     if arguments.json {
         let (rounds, seed) = (arguments.rounds, arguments.seed);
