@@ -1,9 +1,9 @@
-//! No ray escapes from a closed mesh, wherever it is aimed: ten million rays from inside, most of them at edges and
+//! No ray escapes from a closed mesh, wherever it is aimed, neither through the binary tree nor through the packed one: ten million rays from inside, most of them at edges and
 //! vertices, on spheres, on one that is turned and moved far away, on a mesh with vertices in the middle of its
 //! neighbours' edges, and, where the files are at hand, on scanned models scaled and moved 10,000 units away.
 
 use glam::{DQuat, DVec3, Vec3};
-use ropewalk::{BuildOptions, Bvh, Hit, Mesh, Ray, Scene, glam};
+use ropewalk::{BuildOptions, Bvh, Bvh8, Bvh8Options, Hit, Mesh, Ray, Scene, glam};
 use ropewalk_testkit::meshes;
 use ropewalk_testkit::random::Random;
 use std::collections::HashMap;
@@ -17,6 +17,7 @@ struct Closed {
     name: &'static str,
     mesh: Mesh,
     bvh: Bvh,
+    packed: Bvh8,
     inside: Vec<DVec3>,
 }
 
@@ -25,6 +26,7 @@ impl Closed {
         assert!(meshes::is_closed(&mesh), "{name} has a hole: the test would mean nothing");
         let scene = Scene::from_mesh(mesh.clone());
         let bvh = scene.build(&BuildOptions::default()).unwrap();
+        let packed = scene.build_packed(&Bvh8Options::default()).unwrap();
         // Inside is where a ray meets an odd number of walls; three rays in no special direction must agree.
         let mut random = Random::new(3);
         let bounds = bvh.bounds();
@@ -33,7 +35,7 @@ impl Closed {
             (0..3).all(|_| bvh.count(&Ray::new(point.as_vec3(), random.direction().as_vec3())) % 2 == 1)
         };
         let inside = points.into_iter().filter(|point| is_inside(point)).collect();
-        Self { name, mesh, bvh, inside }
+        Self { name, mesh, bvh, packed, inside }
     }
 
     /// A batch of rays from inside: one in eight anywhere, two at vertices, five at edges.
@@ -62,10 +64,15 @@ impl Closed {
     fn escaping(&self, count: usize) -> (usize, Option<Ray>) {
         assert!(self.inside.len() > 100, "{}: only {} points are inside", self.name, self.inside.len());
         let (mut rays, mut hits) = (Vec::new(), vec![Hit::MISS; BATCH]);
+        let mut packed = hits.clone();
         let (mut escaped, mut first) = (0, None);
         for batch in 0..count.div_ceil(BATCH) {
             self.rays(batch as u64, &mut rays);
             self.bvh.closest_batch(&rays, &mut hits);
+            self.packed.closest_batch(&rays, &mut packed);
+            for ((ray, hit), packed) in rays.iter().zip(&hits).zip(&packed) {
+                assert_eq!(packed.to_words(), hit.to_words(), "{}: {ray:?}", self.name);
+            }
             for (ray, _) in rays.iter().zip(&hits).filter(|(_, hit)| !hit.is_hit()) {
                 escaped += 1;
                 first.get_or_insert(*ray);

@@ -3,9 +3,11 @@
 
 #![cfg(target_arch = "x86_64")]
 
+use crate::many::kitchen;
 use crate::packed;
 use crate::scenes::{rays, scene};
-use ropewalk::Hit;
+use ropewalk::{Hit, Ray};
+use ropewalk_testkit::rays::{RayClass, RayMaker};
 use std::arch::asm;
 
 /// Runs something with both modes on, on this thread.
@@ -49,6 +51,30 @@ fn flushing_changes_no_hit_of_ordinary_scenes() {
                     assert_eq!(closest.to_words(), expected.to_words(), "{name} {preset:?} {level}: {ray:?}");
                     assert_eq!(any, expected.is_hit());
                 }
+            }
+        }
+    }
+}
+
+#[test]
+fn flushing_changes_no_hit_in_a_kitchen() {
+    let Some(scene) = kitchen() else {
+        println!("skipped: the kitchen is not there");
+        return;
+    };
+    let bvh = scene.build(&Default::default()).unwrap();
+    let flat = scene.flatten().unwrap();
+    let closest = |rays: &[Ray]| rays.iter().map(|ray| bvh.closest(ray)).collect::<Vec<Hit>>();
+    let trees = packed(&scene);
+    for class in RayClass::EVERY {
+        let rays = RayMaker::new(&flat, 7).make(class, 2_000, &closest);
+        let expected = flushed(|| closest(&rays));
+        for (preset, level, tree) in &trees {
+            let mut hits = vec![Hit::MISS; rays.len()];
+            // In this thread, where the mode is on.
+            flushed(|| rays.iter().zip(&mut hits).for_each(|(ray, hit)| *hit = tree.closest(ray)));
+            for ((ray, hit), expected) in rays.iter().zip(&hits).zip(&expected) {
+                assert_eq!(hit.to_words(), expected.to_words(), "{class} {preset:?} {level}: {ray:?}");
             }
         }
     }

@@ -8,7 +8,7 @@ use ropewalk_testkit::rays::{RayClass, RayMaker};
 use std::io::Read;
 
 /// A scene file, where it is there: vertices and faces of an OBJ, gzipped.
-fn kitchen() -> Option<Scene> {
+pub(crate) fn kitchen() -> Option<Scene> {
     let path =
         concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/scenes/kitchen_obvhs/kitchen_56939.obj.gz");
     let file = std::fs::File::open(path).ok()?;
