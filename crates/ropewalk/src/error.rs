@@ -134,6 +134,11 @@ pub enum UpdateError {
     /// The structure cuts space by planes, which triangles that move leave behind.
     #[error("a kd-tree cannot follow triangles that move: build it anew, or take a BVH")]
     FixedPlanes,
+    /// Vertices that had the same place are one.
+    #[error(
+        "a compact tree keeps vertices of the same place as one, which may part when the scene moves: build it anew, or take another preset"
+    )]
+    SharedVertices,
 }
 
 /// A structure, walk or query that does not exist, or not in this combination. The text names the ones that do.

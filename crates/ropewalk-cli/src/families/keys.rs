@@ -108,7 +108,12 @@ fn bvh8_keys() -> [KeyRecord; 2] {
     let plain = Bvh8Options::default();
     let levels: Vec<&str> = std::iter::once("auto").chain(SimdLevel::EVERY.map(SimdLevel::name)).collect();
     [
-        choice("preset", Preset::NAMES, &plain.preset, "how much work goes into the tree"),
+        choice(
+            "preset",
+            Preset::NAMES,
+            &plain.preset,
+            "how much work goes into the tree; compact: half the memory",
+        ),
         KeyRecord {
             key: "level",
             values: levels.join("|"),

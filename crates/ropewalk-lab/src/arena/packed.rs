@@ -31,6 +31,7 @@ fn grade(preset: Preset) -> Grade {
         Preset::Fastest | Preset::Fast => Grade::Fast,
         Preset::Balanced => Grade::Balanced,
         Preset::High => Grade::High,
+        Preset::Compact => Grade::Compact,
     }
 }
 
@@ -71,7 +72,7 @@ impl Engine for Packed {
 
     fn refitter(&self, shape: &Shape, _threads: usize) -> Option<Result<Box<dyn Refitter>, EngineError>> {
         // Vector instructions make no difference worth a row.
-        self.level.is_none().then(|| {
+        (self.level.is_none() && self.preset.can_refit()).then(|| {
             let options = Bvh8Options { preset: self.preset, level: None };
             let built = shape.scene().build_packed(&options).map_err(|error| self.error(error));
             built.map(|bvh| Box::new(Moving { bvh, preset: self.name.clone() }) as Box<dyn Refitter>)

@@ -3,11 +3,13 @@
 //! A walk through a tree beyond the cache misses the table of pages as often as the cache: with pages of 4 KiB a miss
 //! took 214 to 286 ns on the machine of the study that this follows, with pages of 2 MiB 167 to 193.
 //!
-//! **Soundness.** Walks read nodes and leaves by words that only [`super::layout`] writes; it has checked that each lies inside
-//! ([`Arena::node`] and [`Arena::leaf`] check it again in debug builds), and nothing changes a word afterwards.
+//! **Soundness.** Walks read nodes and leaves ([`Reader`]) by words that only [`super::layout`] and [`super::compact`] write;
+//! they have checked that each lies inside (readers check it again in debug builds), and nothing changes a word afterwards.
 
-use super::leaf::Leaf;
+use super::compact::CompactNode;
+use super::leaf::{IndexedLeaf, Leaf, Triangles};
 use super::node::{PackedNode, Word};
+use super::walk::Boxes;
 use bytemuck::{Pod, Zeroable};
 
 /// What the memory is made of: a cache line.
@@ -82,10 +84,6 @@ impl Arena {
             Memory::Pages { map, first } => bytemuck::cast_slice_mut(&mut map[*first..][..self.bytes]),
         }
     }
-
-    pub(super) fn view(&self) -> View<'_> {
-        View { words: self.words() }
-    }
 }
 
 impl Clone for Arena {
@@ -102,31 +100,70 @@ impl std::fmt::Debug for Arena {
     }
 }
 
-/// An arena as walks read it: by words that the layout wrote into it.
+/// An arena as walks read it: by words that its packing wrote into it.
+pub(super) trait Reader<'a>: Copy {
+    type Node: Boxes + 'a;
+    type Leaf: Triangles;
+
+    /// Whether leaves have their vertices elsewhere, so that it is known only at a leaf which lines these are.
+    const APART: bool;
+    /// Trees beyond this many bytes are walked with more rays in turn: what they wait for comes from memory.
+    const LARGE: usize;
+
+    /// # Safety
+    /// The arena's nodes and leaves are of this kind.
+    unsafe fn new(arena: &'a Arena) -> Self;
+
+    /// The node of a word.
+    ///
+    /// # Safety
+    /// The word is the root's, or a node's word of a node of this arena.
+    unsafe fn node(self, word: Word) -> &'a Self::Node;
+
+    /// The leaf of a word.
+    ///
+    /// # Safety
+    /// The word is a leaf's word of a node of this arena, and not [`super::node::DONE`].
+    unsafe fn leaf(self, word: Word) -> Self::Leaf;
+
+    /// Asks for the lines from a word's first byte on, whatever is there: all of a node, or the most of a leaf. An address beyond
+    /// the memory does no harm.
+    fn prefetch(self, word: Word);
+
+    /// Asks for the vertices of a leaf, where they lie elsewhere.
+    ///
+    /// # Safety
+    /// As [`Self::leaf`].
+    unsafe fn prefetch_vertices(self, word: Word);
+}
+
+/// An arena of full nodes ([`super::layout`]).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View<'a> {
     words: &'a [u32],
 }
 
-impl<'a> View<'a> {
-    /// The node of a word.
-    ///
-    /// # Safety
-    /// The word is the root's, or a node's word of a node of this arena.
+impl<'a> Reader<'a> for View<'a> {
+    type Node = PackedNode;
+    type Leaf = Leaf<'a>;
+    const APART: bool = false;
+    const LARGE: usize = 24 << 20;
+
     #[inline(always)]
-    pub(super) unsafe fn node(self, word: Word) -> &'a PackedNode {
+    unsafe fn new(arena: &'a Arena) -> Self {
+        Self { words: arena.words() }
+    }
+
+    #[inline(always)]
+    unsafe fn node(self, word: Word) -> &'a PackedNode {
         debug_assert!(!word.is_leaf() && word.offset() + size_of::<PackedNode>() <= 4 * self.words.len());
         debug_assert_eq!(word.offset() % LINE, 0);
         // SAFETY: the layout has put a whole node there, on a boundary of a line.
         unsafe { &*self.words.as_ptr().byte_add(word.offset()).cast() }
     }
 
-    /// The leaf of a word.
-    ///
-    /// # Safety
-    /// The word is a leaf's word of a node of this arena, and not [`super::node::DONE`].
     #[inline(always)]
-    pub(super) unsafe fn leaf(self, word: Word) -> Leaf<'a> {
+    unsafe fn leaf(self, word: Word) -> Leaf<'a> {
         debug_assert!(word.is_leaf() && word.offset() / 4 + Leaf::span(word.count()) <= self.words.len());
         // SAFETY: the layout has put a leaf there, and a margin behind the last one.
         let words = unsafe {
@@ -135,13 +172,67 @@ impl<'a> View<'a> {
         Leaf::new(words, word.count())
     }
 
-    /// Asks for the four lines from a word's first byte on, whatever is there: all of a node, or the most of a leaf. An address beyond the
-    /// memory does no harm.
     #[inline(always)]
-    pub(super) fn prefetch(self, word: Word) {
+    fn prefetch(self, word: Word) {
         let first = self.words.as_ptr().wrapping_byte_add(word.offset());
         for line in 0..4 {
             prefetch(first.wrapping_byte_add(line * LINE));
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn prefetch_vertices(self, _: Word) {}
+}
+
+/// An arena of compact nodes ([`super::compact`]).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CompactView<'a> {
+    words: &'a [u32],
+}
+
+impl<'a> Reader<'a> for CompactView<'a> {
+    type Node = CompactNode;
+    type Leaf = IndexedLeaf<'a>;
+    const APART: bool = true;
+    const LARGE: usize = 8 << 20;
+
+    #[inline(always)]
+    unsafe fn new(arena: &'a Arena) -> Self {
+        Self { words: arena.words() }
+    }
+
+    #[inline(always)]
+    unsafe fn node(self, word: Word) -> &'a CompactNode {
+        debug_assert!(!word.is_leaf() && word.offset() + size_of::<CompactNode>() <= 4 * self.words.len());
+        debug_assert_eq!(word.offset() % LINE, 0);
+        // SAFETY: packing has put a whole node there, on a boundary of a line.
+        unsafe { &*self.words.as_ptr().byte_add(word.offset()).cast() }
+    }
+
+    #[inline(always)]
+    unsafe fn leaf(self, word: Word) -> IndexedLeaf<'a> {
+        debug_assert!(word.is_leaf());
+        // SAFETY: packing has put a leaf there, whose indices lead to vertices of the same arena, with a margin behind the last
+        // one.
+        unsafe { IndexedLeaf::new(self.words, word.offset() / 4, word.count()) }
+    }
+
+    #[inline(always)]
+    fn prefetch(self, word: Word) {
+        let first = self.words.as_ptr().wrapping_byte_add(word.offset());
+        for line in 0..2 {
+            prefetch(first.wrapping_byte_add(line * LINE));
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn prefetch_vertices(self, word: Word) {
+        // SAFETY: the caller's.
+        let leaf = unsafe { self.leaf(word) };
+        for triangle in 0..leaf.len() {
+            for corner in 0..3 {
+                prefetch(self.words.as_ptr().wrapping_add(leaf.vertex(corner, triangle)));
+            }
         }
     }
 }

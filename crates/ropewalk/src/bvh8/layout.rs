@@ -112,7 +112,7 @@ impl Packing<'_> {
 }
 
 /// The same node with its places put in order.
-fn in_order_of_places(node: &TreeNode) -> TreeNode {
+pub(super) fn in_order_of_places(node: &TreeNode) -> TreeNode {
     let filled = node.len();
     let mut places: [usize; WIDTH] = std::array::from_fn(|place| place);
     let areas: [f32; WIDTH] = std::array::from_fn(|place| {

@@ -2,19 +2,21 @@
 //!
 //! The fastest way to trace on a CPU. A node is 256 bytes: the sides of eight boxes, coordinate beside coordinate, what is in
 //! them, and in which order rays of each octant of directions take them (`node`); a leaf is up to eight triangles of 40 bytes right
-//! behind its node (`leaf`); all lie in one piece of memory, in huge pages where there are any (`arena`). One visit
-//! tests eight boxes, or eight triangles' edges, at once (`simd`), and a batch leads 8 or 16 rays in turn, so that the misses
-//! of one hide behind the work of the others (`walk`). Triangles that move are followed in place ([`Bvh8::refit`]), and instances of
-//! objects have a level of their own ([`Instanced`]). After Embree (Wald et al. 2014), tinybvh (Bikker 2024) and Dietrich et al. 2007.
+//! behind its node (`leaf`); all lie in one piece of memory, in huge pages where there are any (`arena`). A compact tree takes
+//! half of that, with nodes of 128 bytes and shared vertices (`compact`). One visit tests eight boxes, or eight triangles'
+//! edges, at once (`simd`), and a batch leads 8 or 16 rays in turn, so that the misses of one hide behind the work of the others
+//! (`walk`). Triangles that move are followed in place ([`Bvh8::refit`]), and instances of objects have a level of their own
+//! ([`Instanced`]). After Embree (Wald et al. 2014), tinybvh (Bikker 2024) and Dietrich et al. 2007.
 //!
 //! **Hits are those of every other structure**, bit for bit, at every level of vector instructions: boxes are tested with the
 //! operations of the scalar test, and the scalar test decides on every triangle whose edges a ray may have hit.
 //!
-//! **Invariants**: those of `tree`, and that every word leads to a node or a leaf of the same arena, which only `layout` writes.
+//! **Invariants**: those of `tree`, and that every word leads to a node or a leaf of the same arena, which only `layout` and `compact` write.
 
-#[expect(unsafe_code, reason = "nodes and leaves are read by words that the layout has checked")]
+#[expect(unsafe_code, reason = "nodes and leaves are read by words that packing has checked")]
 mod arena;
 mod build;
+mod compact;
 mod convert;
 mod instanced;
 mod layout;
@@ -57,12 +59,28 @@ const ROOT: Word = Word::node(0);
 #[derive(Clone, Debug)]
 pub struct Bvh8 {
     arena: Arena,
-    /// Where in the arena, in units of 16 bytes, each node's block begins: in the order of the memory, children after their parents.
+    /// Where in the arena, in units of 16 bytes, each node's block begins: in the order of the memory, children after their parents. None
+    /// of a compact tree.
     blocks: Vec<u32>,
     names: Names,
+    form: Form,
     level: Detected,
     bounds: Aabb,
     report: BuildReport,
+}
+
+/// How a tree lies in its arena.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Form {
+    /// Nodes of 256 bytes, and leaves that have their vertices ([`layout`]).
+    Full,
+    /// Nodes of 128 bytes, and leaves that name their vertices ([`compact`]).
+    Compact {
+        /// The first word of the vertices.
+        vertices: usize,
+        /// How many there are.
+        count: usize,
+    },
 }
 
 impl Bvh8 {
@@ -101,7 +119,7 @@ impl Bvh8 {
         let bytes = arena.len() + size_of_val(blocks.as_slice()) + names.bytes();
         let report = BuildReport { bytes, ..report };
         let level = Detected::or_best(level);
-        Ok(Self { arena, blocks, names, level, bounds, report })
+        Ok(Self { arena, blocks, names, form: Form::Full, level, bounds, report })
     }
 
     /// The vector instructions that walks use.
@@ -167,9 +185,11 @@ impl Scene {
             Preset::Fast => build_binned(&triangles, &BinnedOptions::FAST, monitor)?,
             Preset::Balanced => build_binned(&triangles, &BinnedOptions::BALANCED, monitor)?,
             Preset::High => build_spatial(&triangles, &SpatialOptions::default(), monitor)?,
+            Preset::Compact => build_binned(&triangles, &BinnedOptions::COMPACT, monitor)?,
         };
         let known = BuildReport { input, flatten_time, triangles: triangles.len(), ..BuildReport::default() };
-        let mut bvh = Bvh8::pack(&tree, &triangles, &known, options.level)?;
+        let pack = if options.preset == Preset::Compact { Bvh8::pack_compact } else { Bvh8::pack };
+        let mut bvh = pack(&tree, &triangles, &known, options.level)?;
         bvh.report.build_time = clock.elapsed();
         Ok(bvh)
     }

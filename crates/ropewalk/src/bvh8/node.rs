@@ -1,4 +1,4 @@
-//! The packed node: 256 bytes, four cache lines, everything that a visit needs.
+//! The packed node: 256 bytes, four cache lines, everything that a visit needs. (That of compact trees has 128: [`super::compact`].)
 //!
 //! Six rows of eight numbers, the sides of the boxes; a row of eight words, what is in the places; and a row of eight words
 //! with the order in which the places are pushed, for each of the eight octants of directions.
@@ -10,7 +10,9 @@
 //! that is pushed as the `k`-th, farthest first, by the middles of the boxes along the diagonal of the octant ([`super::order`]).
 
 use super::tree::WIDTH;
+use crate::Aabb;
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 
 /// The bytes in which words count.
 pub(super) const UNIT: usize = 16;
@@ -35,8 +37,31 @@ pub(super) struct PackedNode {
     pub(super) order: [u32; WIDTH],
 }
 
-/// A row by its number, 0 to 5; there are eight rows, so that no check is needed.
+/// What is in the places of a node, whatever its boxes are made of, and in which order they are pushed: a cache line.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(super) struct Fan {
+    /// What is in the places.
+    pub(super) children: [u32; WIDTH],
+    /// In which order they are pushed.
+    pub(super) order: [u32; WIDTH],
+}
+
 impl PackedNode {
+    /// The last line.
+    #[inline(always)]
+    pub(super) fn fan(&self) -> &Fan {
+        let lines: &[Fan; 4] = bytemuck::cast_ref(self);
+        &lines[3]
+    }
+
+    /// The box of a place.
+    pub(super) fn child_bounds(&self, place: usize) -> Aabb {
+        let corner = |row: usize| Vec3::from_array([0, 1, 2].map(|axis| self.bounds[row + axis][place]));
+        Aabb::new(corner(0), corner(3))
+    }
+
+    /// A row by its number, 0 to 5; there are eight rows, so that no check is needed.
     #[inline(always)]
     pub(super) fn row(&self, row: u32) -> &[f32; WIDTH] {
         let rows: &[[f32; WIDTH]; 8] = bytemuck::cast_ref(self);

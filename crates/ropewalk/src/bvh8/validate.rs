@@ -2,10 +2,10 @@
 
 use super::node::Word;
 use super::tree::{MAX_LEVELS, WIDTH};
-use super::{Bvh8, ROOT};
+use super::{Bvh8, Form, ROOT};
 use crate::bvh::Node;
 use crate::bvh::validate::{check_parts, identity};
-use crate::{Aabb, FlatTriangle, ValidationError};
+use crate::{FlatTriangle, ValidationError};
 use glam::Vec3;
 
 impl Bvh8 {
@@ -35,9 +35,7 @@ impl Bvh8 {
             }
             let mut filled = 0;
             for place in 0..WIDTH {
-                let corner =
-                    |row: usize| Vec3::from_array([0, 1, 2].map(|axis| packed.bounds[row + axis][place]));
-                let own = Aabb::new(corner(0), corner(3));
+                let own = packed.child_bounds(place);
                 let word = Word(packed.children[place]);
                 if word == ROOT {
                     if !(own.min == Vec3::INFINITY && own.max == Vec3::NEG_INFINITY) {
@@ -49,7 +47,8 @@ impl Bvh8 {
                 if !(own.min.is_finite() && own.max.is_finite() && !own.is_empty()) {
                     return fail("the box of a child is empty or not finite");
                 }
-                if !bounds.contains(&own) {
+                // A compact node's boxes are larger than what the node above was packed with.
+                if self.form == Form::Full && !bounds.contains(&own) {
                     return fail("the box of a child leaves its own");
                 }
                 if word.is_leaf() {
@@ -71,6 +70,7 @@ impl Bvh8 {
         if triangles.len() != self.report.references || leaves.len() != self.report.leaves {
             return fail("the tree has other leaves than were built");
         }
+        self.validate_compact()?;
         leaving.sort_unstable();
         check_parts(&leaves, &triangles, &leaving)
     }

@@ -79,6 +79,7 @@ impl StructureSpec {
             Self::Bvh8(Bvh8Options { preset: Preset::High, level: Some(SimdLevel::Portable) }),
             Self::Bvh8(Bvh8Options { preset: Preset::Fast, level: Some(SimdLevel::Avx2) }),
             Self::Bvh8(Bvh8Options { preset: Preset::Fastest, level: None }),
+            Self::Bvh8(Bvh8Options { preset: Preset::Compact, level: None }),
             Self::Instanced(Bvh8Options::default()),
             Self::Instanced(Bvh8Options { preset: Preset::High, level: Some(SimdLevel::Portable) }),
             Self::List(list),

@@ -1,6 +1,7 @@
 //! Packed trees: the answers of every preset at every level of vector instructions against the binary tree's, one ray and
 //! batches, with names, masks and repeats, after refits, and with the processor's flush-to-zero on.
 
+mod compact;
 mod flush;
 mod hits;
 mod instanced;

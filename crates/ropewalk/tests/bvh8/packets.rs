@@ -91,7 +91,7 @@ fn rays_side_by_side_are_answered_as_one_by_one() {
         let scene = if name == "masks" { crate::names::scene([0x81, 0x02, 0x84]) } else { scene(name) };
         let bvh = scene.build(&builds()[0]).unwrap();
         for (preset, _, tree) in packed(&scene) {
-            if matches!(preset, Preset::Balanced | Preset::High) {
+            if matches!(preset, Preset::Balanced | Preset::High | Preset::Compact) {
                 for (rays_by, rays) in batches(&scene) {
                     check(&format!("{name} {preset:?}, {rays_by}"), &bvh, &tree, &rays);
                 }

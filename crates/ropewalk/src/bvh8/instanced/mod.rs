@@ -10,7 +10,8 @@
 //!
 //! **Cost**: 96 bytes an instance, and some 45 for the top level. To place instances anew takes a fifth of a microsecond each, on one thread.
 //!
-//! **Invariants**: each instance whose object has triangles is placed once, and stands in one leaf, whose box is its own.
+//! **Invariants**: each instance whose object has triangles is placed once, and stands in one leaf, whose box is its own. All objects' trees
+//! have the same form.
 
 mod drawn;
 mod place;
@@ -18,7 +19,7 @@ mod top;
 mod validate;
 
 use super::simd::Detected;
-use super::{Bvh8, Bvh8Options, SimdLevel};
+use super::{Bvh8, Bvh8Options, Form, SimdLevel};
 use crate::clock::Clock;
 use crate::two_level::{Placed, alone};
 use crate::{Aabb, BuildError, BuildReport, Instance, Monitor, NoMonitor, Scene};
@@ -101,6 +102,11 @@ impl Instanced {
 
     pub(super) const fn top(&self) -> &Top {
         &self.top
+    }
+
+    /// How the objects' trees lie in memory: all alike.
+    pub(super) fn form(&self) -> Form {
+        self.objects.first().map_or(Form::Full, |object| object.form)
     }
 }
 

@@ -15,7 +15,7 @@ mod moved;
 #[cfg(all(test, feature = "parallel"))]
 mod tests;
 
-use super::Bvh8;
+use super::{Bvh8, Form};
 use crate::clock::Clock;
 use crate::refit::RefitReport;
 use crate::{Aabb, Scene, UpdateError};
@@ -41,8 +41,11 @@ impl Bvh8 {
     /// ```
     ///
     /// # Errors
-    /// When the scene has other triangles. Then nothing has changed.
+    /// When the scene has other triangles, or the tree is compact. Then nothing has changed.
     pub fn refit(&mut self, scene: &Scene) -> Result<RefitReport, UpdateError> {
+        if self.form != Form::Full {
+            return Err(UpdateError::SharedVertices);
+        }
         let clock = Clock::start();
         let moved = Moved::of(self, scene)?;
         self.names.follow(scene);

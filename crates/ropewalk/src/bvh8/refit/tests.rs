@@ -22,7 +22,7 @@ fn soup(triangles: u16, phase: f32) -> Scene {
 #[test]
 fn any_number_of_threads_makes_the_same_bytes() {
     let (scene, moved) = (soup(60_000, 0.0), soup(60_000, 0.8));
-    for preset in Preset::EVERY {
+    for preset in Preset::EVERY.into_iter().filter(|preset| preset.can_refit()) {
         let built = scene.build_packed(&Bvh8Options { preset, level: None }).unwrap();
         assert!(built.blocks.len() > 2 * BLOCKS, "{preset:?}: {} blocks", built.blocks.len());
         let refitted = |threads| {

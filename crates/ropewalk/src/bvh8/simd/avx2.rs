@@ -1,7 +1,7 @@
 //! AVX2 on vectors of eight lanes. What AVX-512 compresses, a table permutes: 256 rows of eight bytes.
 
 use super::{Level, Task};
-use crate::bvh8::node::{PackedNode, Word};
+use crate::bvh8::node::{Fan, Word};
 use crate::bvh8::tree::WIDTH;
 use crate::bvh8::walk::Stack;
 use std::arch::x86_64::*;
@@ -59,6 +59,63 @@ pub(super) unsafe fn pushed(words: __m256i, count: u32, stack: &mut Stack) -> Wo
     Word(if count == 0 { below.0 } else { last })
 }
 
+/// See [`Level::triples`]: each place is read whole, and eight of them are transposed, which takes less than to gather numbers one by one.
+///
+/// # Safety
+/// The processor has AVX2; the rest is that of [`Level::triples`].
+#[inline(always)]
+pub(super) unsafe fn triples(from: [*const f32; WIDTH], axes: [u8; 3]) -> [__m256; 3] {
+    // SAFETY: the caller's.
+    unsafe {
+        let [x, y, z] = [i32::from(axes[0]), i32::from(axes[1]), i32::from(axes[2])];
+        let turns = _mm256_setr_epi32(x, y, z, 3, x, y, z, 3);
+        let first = _mm256_permutevar_ps(two(from[0], from[4]), turns);
+        let second = _mm256_permutevar_ps(two(from[1], from[5]), turns);
+        let third = _mm256_permutevar_ps(two(from[2], from[6]), turns);
+        let fourth = _mm256_permutevar_ps(two(from[3], from[7]), turns);
+        let (low, high) = (_mm256_unpacklo_ps(first, second), _mm256_unpacklo_ps(third, fourth));
+        let (last_low, last_high) = (_mm256_unpackhi_ps(first, second), _mm256_unpackhi_ps(third, fourth));
+        [
+            _mm256_shuffle_ps::<0x44>(low, high),
+            _mm256_shuffle_ps::<0xee>(low, high),
+            _mm256_shuffle_ps::<0x44>(last_low, last_high),
+        ]
+    }
+}
+
+/// See [`Level::few_triples`].
+///
+/// # Safety
+/// The processor has AVX2; the rest is that of [`Level::few_triples`].
+#[inline(always)]
+pub(super) unsafe fn few_triples(from: [*const f32; WIDTH / 2], axes: [u8; 3]) -> [__m256; 3] {
+    // SAFETY: the caller's.
+    unsafe {
+        let turns = _mm_setr_epi32(i32::from(axes[0]), i32::from(axes[1]), i32::from(axes[2]), 3);
+        let first = _mm_permutevar_ps(_mm_loadu_ps(from[0]), turns);
+        let second = _mm_permutevar_ps(_mm_loadu_ps(from[1]), turns);
+        let third = _mm_permutevar_ps(_mm_loadu_ps(from[2]), turns);
+        let fourth = _mm_permutevar_ps(_mm_loadu_ps(from[3]), turns);
+        let (low, high) = (_mm_unpacklo_ps(first, second), _mm_unpacklo_ps(third, fourth));
+        let (last_low, last_high) = (_mm_unpackhi_ps(first, second), _mm_unpackhi_ps(third, fourth));
+        [
+            _mm256_zextps128_ps256(_mm_movelh_ps(low, high)),
+            _mm256_zextps128_ps256(_mm_movehl_ps(high, low)),
+            _mm256_zextps128_ps256(_mm_movelh_ps(last_low, last_high)),
+        ]
+    }
+}
+
+/// Four numbers from each of two places.
+///
+/// # Safety
+/// The processor has AVX2, and they can be read.
+#[inline(always)]
+unsafe fn two(low: *const f32, high: *const f32) -> __m256 {
+    // SAFETY: the caller's.
+    unsafe { _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(_mm_loadu_ps(low)), _mm_loadu_ps(high)) }
+}
+
 impl Level for Avx2 {
     type Floats = __m256;
     type Mask = __m256;
@@ -96,6 +153,24 @@ impl Level for Avx2 {
     unsafe fn read(self, from: *const f32) -> __m256 {
         // SAFETY: the token proves that the instructions are there; the rest is the caller's.
         unsafe { _mm256_loadu_ps(from) }
+    }
+
+    #[inline(always)]
+    fn bytes(self, row: &[u8; WIDTH]) -> __m256 {
+        // SAFETY: the token proves that the instructions are there; eight bytes are read from an array of eight.
+        unsafe { _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(row.as_ptr().cast()))) }
+    }
+
+    #[inline(always)]
+    unsafe fn triples(self, from: [*const f32; WIDTH], axes: [u8; 3]) -> [__m256; 3] {
+        // SAFETY: the token proves that the instructions are there; the rest is the caller's.
+        unsafe { triples(from, axes) }
+    }
+
+    #[inline(always)]
+    unsafe fn few_triples(self, from: [*const f32; WIDTH / 2], axes: [u8; 3]) -> [__m256; 3] {
+        // SAFETY: the token proves that the instructions are there; the rest is the caller's.
+        unsafe { few_triples(from, axes) }
     }
 
     #[inline(always)]
@@ -173,6 +248,16 @@ impl Level for Avx2 {
     }
 
     #[inline(always)]
+    fn filled(self, fan: &Fan, mask: __m256) -> __m256 {
+        // SAFETY: the token proves that the instructions are there. The words are eight on a boundary of 32 bytes.
+        unsafe {
+            let words = _mm256_load_si256(fan.children.as_ptr().cast());
+            let empty = _mm256_cmpeq_epi32(words, _mm256_setzero_si256());
+            _mm256_andnot_ps(_mm256_castsi256_ps(empty), mask)
+        }
+    }
+
+    #[inline(always)]
     fn select(self, mask: __m256, yes: __m256, no: __m256) -> __m256 {
         // SAFETY: the token proves that the instructions are there.
         unsafe { _mm256_blendv_ps(no, yes, mask) }
@@ -181,21 +266,21 @@ impl Level for Avx2 {
     #[inline(always)]
     fn push_ordered(
         self,
-        node: &PackedNode,
+        fan: &Fan,
         octant_shift: u32,
         entries: __m256,
         hit: __m256,
         stack: &mut Stack,
     ) -> Word {
-        // SAFETY: the token proves that the instructions are there. The rows of a node are eight words on a boundary of 32
+        // SAFETY: the token proves that the instructions are there. The rows of a fan are eight words on a boundary of 32
         // bytes; `Stack::top` has room for eight.
         unsafe {
-            let turns = _mm256_load_si256(node.order.as_ptr().cast());
+            let turns = _mm256_load_si256(fan.order.as_ptr().cast());
             let turns = _mm256_srl_epi32(turns, _mm_cvtsi32_si128(octant_shift as i32));
             let kept = _mm256_movemask_ps(_mm256_permutevar8x32_ps(hit, turns)) as u32;
             // One permutation behind the other is one permutation by the permuted.
             let turns = _mm256_permutevar8x32_epi32(turns, self.compression(kept));
-            let words = _mm256_load_si256(node.children.as_ptr().cast());
+            let words = _mm256_load_si256(fan.children.as_ptr().cast());
             let (word_top, entry_top) = stack.top();
             let words = _mm256_permutevar8x32_epi32(words, turns);
             _mm256_storeu_si256(word_top.cast(), words);
@@ -205,11 +290,11 @@ impl Level for Avx2 {
     }
 
     #[inline(always)]
-    fn push_unordered(self, node: &PackedNode, hit: __m256, stack: &mut Stack) -> Word {
+    fn push_unordered(self, fan: &Fan, hit: __m256, stack: &mut Stack) -> Word {
         // SAFETY: as above.
         unsafe {
             let kept = self.bits(hit);
-            let words = _mm256_load_si256(node.children.as_ptr().cast());
+            let words = _mm256_load_si256(fan.children.as_ptr().cast());
             let (word_top, _) = stack.top();
             let words = _mm256_permutevar8x32_epi32(words, self.compression(kept));
             _mm256_storeu_si256(word_top.cast(), words);

@@ -3,9 +3,9 @@
 //! Compression goes to a register and is then stored whole: the form that stores while it compresses is microcoded on Zen 4
 //! (142 cycles a store). What is stored beyond the top of the stack is overwritten by the next push.
 
-use super::avx2::pushed;
+use super::avx2::{few_triples, pushed, triples};
 use super::{Level, Task};
-use crate::bvh8::node::{PackedNode, Word};
+use crate::bvh8::node::{Fan, Word};
 use crate::bvh8::tree::WIDTH;
 use crate::bvh8::walk::Stack;
 use std::arch::x86_64::*;
@@ -60,6 +60,24 @@ impl Level for Avx512 {
     unsafe fn read(self, from: *const f32) -> __m256 {
         // SAFETY: the token proves that the instructions are there; the rest is the caller's.
         unsafe { _mm256_loadu_ps(from) }
+    }
+
+    #[inline(always)]
+    fn bytes(self, row: &[u8; WIDTH]) -> __m256 {
+        // SAFETY: the token proves that the instructions are there; eight bytes are read from an array of eight.
+        unsafe { _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(row.as_ptr().cast()))) }
+    }
+
+    #[inline(always)]
+    unsafe fn triples(self, from: [*const f32; WIDTH], axes: [u8; 3]) -> [__m256; 3] {
+        // SAFETY: the token proves that the instructions are there; the rest is the caller's.
+        unsafe { triples(from, axes) }
+    }
+
+    #[inline(always)]
+    unsafe fn few_triples(self, from: [*const f32; WIDTH / 2], axes: [u8; 3]) -> [__m256; 3] {
+        // SAFETY: the token proves that the instructions are there; the rest is the caller's.
+        unsafe { few_triples(from, axes) }
     }
 
     #[inline(always)]
@@ -134,6 +152,15 @@ impl Level for Avx512 {
     }
 
     #[inline(always)]
+    fn filled(self, fan: &Fan, mask: __mmask8) -> __mmask8 {
+        // SAFETY: the token proves that the instructions are there. The words are eight on a boundary of 32 bytes.
+        unsafe {
+            let words = _mm256_load_si256(fan.children.as_ptr().cast());
+            _mm256_mask_test_epi32_mask(mask, words, words)
+        }
+    }
+
+    #[inline(always)]
     fn select(self, mask: __mmask8, yes: __m256, no: __m256) -> __m256 {
         // SAFETY: the token proves that the instructions are there.
         unsafe { _mm256_mask_mov_ps(no, mask, yes) }
@@ -142,21 +169,21 @@ impl Level for Avx512 {
     #[inline(always)]
     fn push_ordered(
         self,
-        node: &PackedNode,
+        fan: &Fan,
         octant_shift: u32,
         entries: __m256,
         hit: __mmask8,
         stack: &mut Stack,
     ) -> Word {
-        // SAFETY: the token proves that the instructions are there. The rows of a node are eight words on a boundary of 32
+        // SAFETY: the token proves that the instructions are there. The rows of a fan are eight words on a boundary of 32
         // bytes; `Stack::top` has room for eight.
         unsafe {
-            let turns = _mm256_load_si256(node.order.as_ptr().cast());
+            let turns = _mm256_load_si256(fan.order.as_ptr().cast());
             let turns = _mm256_srl_epi32(turns, _mm_cvtsi32_si128(octant_shift as i32));
             // What is missed gets an entry that no box has, so that one comparison behind the permutation tells.
             let missed = _mm256_set1_ps(f32::INFINITY);
             let near = _mm256_permutexvar_ps(turns, _mm256_mask_mov_ps(missed, hit, entries));
-            let words = _mm256_permutexvar_epi32(turns, _mm256_load_si256(node.children.as_ptr().cast()));
+            let words = _mm256_permutexvar_epi32(turns, _mm256_load_si256(fan.children.as_ptr().cast()));
             let kept = _mm256_cmp_ps_mask::<_CMP_LT_OQ>(near, missed);
             let (word_top, entry_top) = stack.top();
             let words = _mm256_maskz_compress_epi32(kept, words);
@@ -167,10 +194,10 @@ impl Level for Avx512 {
     }
 
     #[inline(always)]
-    fn push_unordered(self, node: &PackedNode, hit: __mmask8, stack: &mut Stack) -> Word {
+    fn push_unordered(self, fan: &Fan, hit: __mmask8, stack: &mut Stack) -> Word {
         // SAFETY: as above.
         unsafe {
-            let words = _mm256_load_si256(node.children.as_ptr().cast());
+            let words = _mm256_load_si256(fan.children.as_ptr().cast());
             let (word_top, _) = stack.top();
             let words = _mm256_maskz_compress_epi32(hit, words);
             _mm256_storeu_si256(word_top.cast(), words);

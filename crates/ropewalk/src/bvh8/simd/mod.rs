@@ -17,7 +17,7 @@ mod avx512;
 mod neon;
 mod portable;
 
-use super::node::{PackedNode, Word};
+use super::node::{Fan, Word};
 use super::tree::WIDTH;
 use super::walk::Stack;
 use std::fmt;
@@ -46,6 +46,21 @@ pub(super) trait Level: Copy {
     /// Eight numbers can be read from there; it lies on a boundary of four bytes.
     unsafe fn read(self, from: *const f32) -> Self::Floats;
 
+    /// Eight small numbers.
+    fn bytes(self, row: &[u8; WIDTH]) -> Self::Floats;
+
+    /// Three numbers from each of eight places, the same number of all of them together, in an order of axes.
+    ///
+    /// # Safety
+    /// Four numbers can be read from each place; the axes are 0, 1 and 2, in any order.
+    unsafe fn triples(self, from: [*const f32; WIDTH], axes: [u8; 3]) -> [Self::Floats; 3];
+
+    /// The same from four places. The other four lanes mean nothing.
+    ///
+    /// # Safety
+    /// As [`Self::triples`].
+    unsafe fn few_triples(self, from: [*const f32; WIDTH / 2], axes: [u8; 3]) -> [Self::Floats; 3];
+
     fn numbers(self, floats: Self::Floats) -> [f32; WIDTH];
 
     fn add(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
@@ -67,6 +82,8 @@ pub(super) trait Level: Copy {
     fn either(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// A bit a lane.
     fn bits(self, mask: Self::Mask) -> u32;
+    /// The mask without the lanes in which a fan's places hold nothing.
+    fn filled(self, fan: &Fan, mask: Self::Mask) -> Self::Mask;
     /// `yes` where the mask is set, `no` elsewhere.
     fn select(self, mask: Self::Mask, yes: Self::Floats, no: Self::Floats) -> Self::Floats;
 
@@ -74,7 +91,7 @@ pub(super) trait Level: Copy {
     /// from registers: who reads it from memory waits until the vector has got there.
     fn push_ordered(
         self,
-        node: &PackedNode,
+        fan: &Fan,
         octant_shift: u32,
         entries: Self::Floats,
         hit: Self::Mask,
@@ -82,7 +99,7 @@ pub(super) trait Level: Copy {
     ) -> Word;
 
     /// Pushes the hit children in the order of their places, without where the ray enters them; tells what lies on top then.
-    fn push_unordered(self, node: &PackedNode, hit: Self::Mask, stack: &mut Stack) -> Word;
+    fn push_unordered(self, fan: &Fan, hit: Self::Mask, stack: &mut Stack) -> Word;
 
     /// Leaves out what lies beyond `t_max`.
     fn cull(self, stack: &mut Stack, t_max: f32);

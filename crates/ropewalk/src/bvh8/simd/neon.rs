@@ -2,7 +2,7 @@
 //! one.
 
 use super::{Level, Task};
-use crate::bvh8::node::{PackedNode, Word};
+use crate::bvh8::node::{Fan, Word};
 use crate::bvh8::tree::WIDTH;
 use crate::bvh8::walk::Stack;
 use std::arch::aarch64::*;
@@ -19,6 +19,26 @@ type Mask = [uint32x4_t; 2];
 #[target_feature(enable = "neon")]
 fn run<T: Task>(level: Neon, task: T) -> T::Output {
     task.run(level)
+}
+
+/// Three numbers from each of four places, the same number of all of them together.
+///
+/// # Safety
+/// The processor has NEON; four numbers can be read from each place.
+#[inline(always)]
+unsafe fn columns(from: [*const f32; 4]) -> [float32x4_t; 3] {
+    // SAFETY: the caller's.
+    unsafe {
+        let (first, second) = (vld1q_f32(from[0]), vld1q_f32(from[1]));
+        let (third, fourth) = (vld1q_f32(from[2]), vld1q_f32(from[3]));
+        let (low, high) = (vzip1q_f32(first, second), vzip1q_f32(third, fourth));
+        let (last_low, last_high) = (vzip2q_f32(first, second), vzip2q_f32(third, fourth));
+        [
+            vcombine_f32(vget_low_f32(low), vget_low_f32(high)),
+            vcombine_f32(vget_high_f32(low), vget_high_f32(high)),
+            vcombine_f32(vget_low_f32(last_low), vget_low_f32(last_high)),
+        ]
+    }
 }
 
 impl Level for Neon {
@@ -52,6 +72,33 @@ impl Level for Neon {
     unsafe fn read(self, from: *const f32) -> Floats {
         // SAFETY: the token proves that the instructions are there; the rest is the caller's.
         unsafe { [vld1q_f32(from), vld1q_f32(from.add(4))] }
+    }
+
+    #[inline(always)]
+    fn bytes(self, row: &[u8; WIDTH]) -> Floats {
+        // SAFETY: the token proves that the instructions are there; eight bytes are read from an array of eight.
+        unsafe {
+            let words = vmovl_u8(vld1_u8(row.as_ptr()));
+            [vcvtq_f32_u32(vmovl_u16(vget_low_u16(words))), vcvtq_f32_u32(vmovl_u16(vget_high_u16(words)))]
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn triples(self, from: [*const f32; WIDTH], axes: [u8; 3]) -> [Floats; 3] {
+        // SAFETY: the caller's.
+        let (low, high) = unsafe {
+            (columns([from[0], from[1], from[2], from[3]]), columns([from[4], from[5], from[6], from[7]]))
+        };
+        let [x, y, z] = [usize::from(axes[0]) % 3, usize::from(axes[1]) % 3, usize::from(axes[2]) % 3];
+        [[low[x], high[x]], [low[y], high[y]], [low[z], high[z]]]
+    }
+
+    #[inline(always)]
+    unsafe fn few_triples(self, from: [*const f32; WIDTH / 2], axes: [u8; 3]) -> [Floats; 3] {
+        // SAFETY: the caller's.
+        let low = unsafe { columns(from) };
+        let [x, y, z] = [usize::from(axes[0]) % 3, usize::from(axes[1]) % 3, usize::from(axes[2]) % 3];
+        [[low[x]; 2], [low[y]; 2], [low[z]; 2]]
     }
 
     #[inline(always)]
@@ -141,6 +188,15 @@ impl Level for Neon {
     }
 
     #[inline(always)]
+    fn filled(self, fan: &Fan, mask: Mask) -> Mask {
+        // SAFETY: the token proves that the instructions are there; eight words are read from an array of eight.
+        unsafe {
+            let (low, high) = (vld1q_u32(fan.children.as_ptr()), vld1q_u32(fan.children.as_ptr().add(4)));
+            [vandq_u32(mask[0], vtstq_u32(low, low)), vandq_u32(mask[1], vtstq_u32(high, high))]
+        }
+    }
+
+    #[inline(always)]
     fn select(self, mask: Mask, yes: Floats, no: Floats) -> Floats {
         // SAFETY: the token proves that the instructions are there.
         unsafe { [vbslq_f32(mask[0], yes[0], no[0]), vbslq_f32(mask[1], yes[1], no[1])] }
@@ -149,29 +205,29 @@ impl Level for Neon {
     #[inline(always)]
     fn push_ordered(
         self,
-        node: &PackedNode,
+        fan: &Fan,
         octant_shift: u32,
         entries: Floats,
         hit: Mask,
         stack: &mut Stack,
     ) -> Word {
         let (entries, hit) = (self.numbers(entries), self.bits(hit));
-        for turn in node.order {
+        for turn in fan.order {
             let place = (turn >> octant_shift) as usize % WIDTH;
             if hit >> place & 1 != 0 {
-                stack.push(node.children[place], entries[place]);
+                stack.push(fan.children[place], entries[place]);
             }
         }
         stack.peek()
     }
 
     #[inline(always)]
-    fn push_unordered(self, node: &PackedNode, hit: Mask, stack: &mut Stack) -> Word {
+    fn push_unordered(self, fan: &Fan, hit: Mask, stack: &mut Stack) -> Word {
         let mut hit = self.bits(hit);
         while hit != 0 {
             let place = hit.trailing_zeros() as usize % WIDTH;
             hit &= hit - 1;
-            stack.push(node.children[place], f32::NEG_INFINITY);
+            stack.push(fan.children[place], f32::NEG_INFINITY);
         }
         stack.peek()
     }

@@ -2,7 +2,7 @@
 
 use super::{Level, Task};
 use crate::aabb::{larger, smaller};
-use crate::bvh8::node::{PackedNode, Word};
+use crate::bvh8::node::{Fan, Word};
 use crate::bvh8::tree::WIDTH;
 use crate::bvh8::walk::Stack;
 
@@ -16,6 +16,22 @@ type Mask = [u32; WIDTH];
 
 const fn mask(yes: bool) -> u32 {
     if yes { u32::MAX } else { 0 }
+}
+
+/// See [`Level::triples`]; zeros in the lanes for which there is no place.
+///
+/// # Safety
+/// That of [`Level::triples`].
+#[inline(always)]
+unsafe fn triples(from: &[*const f32], axes: [u8; 3]) -> [Floats; 3] {
+    let mut triples = [[0.0; WIDTH]; 3];
+    for (numbers, axis) in triples.iter_mut().zip(axes) {
+        for (number, from) in numbers.iter_mut().zip(from) {
+            // SAFETY: the caller's.
+            *number = unsafe { *from.add(usize::from(axis)) };
+        }
+    }
+    triples
 }
 
 impl Level for Portable {
@@ -45,6 +61,23 @@ impl Level for Portable {
     unsafe fn read(self, from: *const f32) -> Floats {
         // SAFETY: the caller's; an array lies on the boundary of its numbers.
         unsafe { *from.cast() }
+    }
+
+    #[inline(always)]
+    fn bytes(self, row: &[u8; WIDTH]) -> Floats {
+        std::array::from_fn(|lane| f32::from(row[lane]))
+    }
+
+    #[inline(always)]
+    unsafe fn triples(self, from: [*const f32; WIDTH], axes: [u8; 3]) -> [Floats; 3] {
+        // SAFETY: the caller's.
+        unsafe { triples(&from, axes) }
+    }
+
+    #[inline(always)]
+    unsafe fn few_triples(self, from: [*const f32; WIDTH / 2], axes: [u8; 3]) -> [Floats; 3] {
+        // SAFETY: the caller's.
+        unsafe { triples(&from, axes) }
     }
 
     #[inline(always)]
@@ -108,6 +141,14 @@ impl Level for Portable {
     }
 
     #[inline(always)]
+    fn filled(self, fan: &Fan, mut mask: Mask) -> Mask {
+        for (lane, &word) in mask.iter_mut().zip(&fan.children) {
+            *lane &= self::mask(word != 0);
+        }
+        mask
+    }
+
+    #[inline(always)]
     fn select(self, mask: Mask, yes: Floats, no: Floats) -> Floats {
         std::array::from_fn(|lane| if mask[lane] != 0 { yes[lane] } else { no[lane] })
     }
@@ -115,24 +156,24 @@ impl Level for Portable {
     #[inline(always)]
     fn push_ordered(
         self,
-        node: &PackedNode,
+        fan: &Fan,
         octant_shift: u32,
         entries: Floats,
         hit: Mask,
         stack: &mut Stack,
     ) -> Word {
-        for turn in node.order {
+        for turn in fan.order {
             let place = (turn >> octant_shift) as usize % WIDTH;
             if hit[place] != 0 {
-                stack.push(node.children[place], entries[place]);
+                stack.push(fan.children[place], entries[place]);
             }
         }
         stack.peek()
     }
 
     #[inline(always)]
-    fn push_unordered(self, node: &PackedNode, hit: Mask, stack: &mut Stack) -> Word {
-        for (&word, hit) in node.children.iter().zip(hit) {
+    fn push_unordered(self, fan: &Fan, hit: Mask, stack: &mut Stack) -> Word {
+        for (&word, hit) in fan.children.iter().zip(hit) {
             if hit != 0 {
                 stack.push(word, f32::NEG_INFINITY);
             }

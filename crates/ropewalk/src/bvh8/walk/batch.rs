@@ -1,11 +1,13 @@
 //! Batches of rays, spread over threads where there are any.
 
 use super::brute_force::EveryLeaf;
-use super::interleave::{AnyGoal, ClosestGoal, Goal, Interleaved};
+use super::interleave::{AnyGoal, ClosestGoal, FEW, Goal, Interleaved, MANY};
 use super::packet::{self, Packets};
+use super::single::{ByForm, Place};
 use crate::batch::{Answer, Batch, Keep, TraceOptions, Traced, Traversal};
 use crate::bvh::StackOrder;
 use crate::bvh8::Bvh8;
+use crate::bvh8::arena::Reader;
 use crate::bvh8::simd::dispatch;
 use crate::catalogue::{self, StructureKind};
 use crate::parallel::fill_chunks;
@@ -14,9 +16,6 @@ use crate::{CatalogueError, DeviceKind, Hit, Query, Ray, TraceError, Walk};
 /// Rays that a thread takes at a time. At the end of each the slots run empty one by one, which costs about as much as
 /// two rays.
 const CHUNK: usize = packet::CHUNK;
-
-/// Trees beyond this many bytes are walked with more rays in turn: what they wait for comes from memory.
-const LARGE: usize = 24 << 20;
 
 impl Bvh8 {
     /// Traces a batch by any walk of the catalogue.
@@ -92,15 +91,29 @@ impl Bvh8 {
             answers.fill(G::answer(None, &self.names));
             return;
         }
-        let place = self.place();
+        match self.place() {
+            ByForm::Full(place) => self.batch_in::<_, G>(place, rays, answers),
+            ByForm::Compact(place) => self.batch_in::<_, G>(place, rays, answers),
+        }
+    }
+
+    /// As many rays as answers, through a tree that is not empty.
+    fn batch_in<'a, R: Reader<'a> + Sync, G: Goal>(
+        &self,
+        place: Place<'a, R>,
+        rays: &[Ray],
+        answers: &mut [G::Answer],
+    ) where
+        G::Answer: Send,
+    {
         fill_chunks(answers, CHUNK, |first, answers| {
             let rays = &rays[first..][..answers.len()];
-            let left = dispatch(self.level, Packets::<'_, G> { place, rays, answers: &mut *answers });
+            let left = dispatch(self.level, Packets::<'_, '_, R, G> { place, rays, answers: &mut *answers });
             let runs = left.as_slice();
-            if self.arena.len() > LARGE {
-                dispatch(self.level, Interleaved::<'_, G, 16> { place, rays, runs, answers });
+            if self.arena.len() > R::LARGE {
+                dispatch(self.level, Interleaved::<'_, '_, R, G, MANY> { place, rays, runs, answers });
             } else {
-                dispatch(self.level, Interleaved::<'_, G, 8> { place, rays, runs, answers });
+                dispatch(self.level, Interleaved::<'_, '_, R, G, FEW> { place, rays, runs, answers });
             }
         });
     }

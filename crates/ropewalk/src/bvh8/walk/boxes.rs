@@ -1,11 +1,57 @@
 //! The test of a node's eight boxes, at any level.
 //!
 //! The scalar test's operations but one: the pads are part of the inverses ([`super::ray`]), which makes it a little wider, never
-//! narrower, and two products shorter.
+//! narrower, and two products shorter. Where sides come from is a matter of the node ([`Boxes`]); the operations on them are not.
 
 use super::ray::{Octant, Slabs};
-use crate::bvh8::node::PackedNode;
+use crate::bvh8::node::{Fan, PackedNode};
 use crate::bvh8::simd::Level;
+
+/// A node as walks read it, whatever its boxes are made of.
+pub(in super::super) trait Boxes {
+    /// What the sides of all boxes are made with.
+    type Frame<L: Level>: Copy;
+
+    fn frame<L: Level>(&self, level: L) -> Self::Frame<L>;
+
+    /// A side of all boxes across an axis, by the byte of an octant ([`Octant`]).
+    fn sides<L: Level>(&self, level: L, frame: &Self::Frame<L>, axis: usize, byte: u32) -> L::Floats;
+
+    /// The same of one box, 0 to 7.
+    fn side(&self, axis: usize, byte: u32, place: usize) -> f32;
+
+    /// The mask without the places that hold nothing, where their boxes do not see to that.
+    fn filled<L: Level>(&self, level: L, hit: L::Mask) -> L::Mask;
+
+    fn fan(&self) -> &Fan;
+}
+
+impl Boxes for PackedNode {
+    type Frame<L: Level> = ();
+
+    #[inline(always)]
+    fn frame<L: Level>(&self, _: L) {}
+
+    #[inline(always)]
+    fn sides<L: Level>(&self, level: L, (): &(), _: usize, byte: u32) -> L::Floats {
+        level.row(row(self, byte))
+    }
+
+    #[inline(always)]
+    fn side(&self, _: usize, byte: u32, place: usize) -> f32 {
+        self.row(byte / 32)[place % 8]
+    }
+
+    #[inline(always)]
+    fn filled<L: Level>(&self, _: L, hit: L::Mask) -> L::Mask {
+        hit
+    }
+
+    #[inline(always)]
+    fn fan(&self) -> &Fan {
+        Self::fan(self)
+    }
+}
 
 /// A ray's slabs in lanes.
 #[derive(Clone, Copy)]
@@ -44,29 +90,36 @@ fn splat_first<L: Level>(level: L, numbers: &[f32; 4]) -> [L::Floats; 3] {
 
 /// Where a ray enters each of eight boxes, and which it hits up to `t_max`, closed.
 #[inline(always)]
-pub(super) fn children<L: Level>(
+pub(super) fn children<L: Level, N: Boxes>(
     level: L,
-    node: &PackedNode,
+    node: &N,
     slabs: &Slabs,
     ray: &Lanes<L>,
     t_max: f32,
 ) -> (L::Floats, L::Mask) {
     let Octant { near_rows: [near_x, near_y, near_z], far_rows: [far_x, far_y, far_z], .. } = slabs.octant;
+    let frame = node.frame(level);
     let entry = level.larger(
         level.larger(
-            meet(level, row(node, near_x), ray.near[0], ray.near_inverse[0]),
-            meet(level, row(node, near_y), ray.near[1], ray.near_inverse[1]),
+            meet(level, node.sides(level, &frame, 0, near_x), ray.near[0], ray.near_inverse[0]),
+            meet(level, node.sides(level, &frame, 1, near_y), ray.near[1], ray.near_inverse[1]),
         ),
-        level.larger(meet(level, row(node, near_z), ray.near[2], ray.near_inverse[2]), ray.t_min),
+        level.larger(
+            meet(level, node.sides(level, &frame, 2, near_z), ray.near[2], ray.near_inverse[2]),
+            ray.t_min,
+        ),
     );
     let exit = level.smaller(
         level.smaller(
-            meet(level, row(node, far_x), ray.far[0], ray.far_inverse[0]),
-            meet(level, row(node, far_y), ray.far[1], ray.far_inverse[1]),
+            meet(level, node.sides(level, &frame, 0, far_x), ray.far[0], ray.far_inverse[0]),
+            meet(level, node.sides(level, &frame, 1, far_y), ray.far[1], ray.far_inverse[1]),
         ),
-        level.smaller(meet(level, row(node, far_z), ray.far[2], ray.far_inverse[2]), level.splat(t_max)),
+        level.smaller(
+            meet(level, node.sides(level, &frame, 2, far_z), ray.far[2], ray.far_inverse[2]),
+            level.splat(t_max),
+        ),
     );
-    (entry, level.at_most(entry, exit))
+    (entry, node.filled(level, level.at_most(entry, exit)))
 }
 
 /// The row that begins at a byte.
@@ -79,6 +132,6 @@ fn row(node: &PackedNode, byte: u32) -> &[f32; 8] {
 
 /// Where a ray meets a side of each of eight boxes.
 #[inline(always)]
-fn meet<L: Level>(level: L, row: &[f32; 8], origin: L::Floats, inverse: L::Floats) -> L::Floats {
-    level.mul(level.sub(level.row(row), origin), inverse)
+fn meet<L: Level>(level: L, sides: L::Floats, origin: L::Floats, inverse: L::Floats) -> L::Floats {
+    level.mul(level.sub(sides, origin), inverse)
 }

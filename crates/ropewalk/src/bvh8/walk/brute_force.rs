@@ -1,10 +1,13 @@
 //! Every leaf, whatever its box: the reference.
 
-use super::single::visit_leaf;
+use super::boxes::Boxes;
+use super::single::{ByForm, Place, visit_leaf};
 use super::sink::{Named, tell};
 use crate::batch::Traversal;
 use crate::bvh::walk::Collect;
-use crate::bvh8::node::{PackedNode, Word};
+use crate::bvh8::arena::Reader;
+use crate::bvh8::leaf::Triangles;
+use crate::bvh8::node::{Fan, PackedNode, Word};
 use crate::bvh8::simd::{Level, Task, dispatch};
 use crate::bvh8::{Bvh8, ROOT};
 use crate::{Counters, FlatTriangle, PreparedRay, Probe, Ray};
@@ -24,7 +27,7 @@ impl Iterator for Leaves<'_> {
             if word.is_leaf() {
                 return Some(word);
             }
-            let children = self.bvh.node(word).children;
+            let children = self.bvh.fan(word).children;
             self.pending.extend(children.into_iter().rev().map(Word).filter(|&word| word != ROOT));
         }
     }
@@ -35,16 +38,37 @@ impl Bvh8 {
         Leaves { bvh: self, pending: if self.is_empty() { Vec::new() } else { vec![ROOT] } }
     }
 
-    /// The node of a word that was read from a node, or of the root's.
-    pub(in super::super) fn node(&self, word: Word) -> &PackedNode {
-        // SAFETY: inside of this folder there are no other words of nodes.
-        unsafe { self.place().view.node(word) }
+    /// What is in the places of a node, by a word that was read from a node or the root's.
+    fn fan(&self, word: Word) -> &Fan {
+        match self.place() {
+            // SAFETY: inside of this folder there are no other words of nodes.
+            ByForm::Full(place) => unsafe { place.view.node(word) }.fan(),
+            // SAFETY: as above.
+            ByForm::Compact(place) => unsafe { place.view.node(word) }.fan(),
+        }
+    }
+
+    /// The node of a word that was read from a node, or of the root's, as a full one.
+    pub(in super::super) fn node(&self, word: Word) -> PackedNode {
+        match self.place() {
+            // SAFETY: inside of this folder there are no other words of nodes.
+            ByForm::Full(place) => *unsafe { place.view.node(word) },
+            // SAFETY: as above.
+            ByForm::Compact(place) => unsafe { place.view.node(word) }.full(),
+        }
     }
 
     /// Appends the triangles of a leaf, with their names.
     pub(in super::super) fn read_leaf(&self, word: Word, triangles: &mut Vec<FlatTriangle>) {
-        // SAFETY: inside of this folder there are no other words of leaves.
-        let leaf = unsafe { self.place().view.leaf(word) };
+        match self.place() {
+            // SAFETY: inside of this folder there are no other words of leaves.
+            ByForm::Full(place) => self.append(unsafe { place.view.leaf(word) }, triangles),
+            // SAFETY: as above.
+            ByForm::Compact(place) => self.append(unsafe { place.view.leaf(word) }, triangles),
+        }
+    }
+
+    fn append<T: Triangles>(&self, leaf: T, triangles: &mut Vec<FlatTriangle>) {
         for place in 0..leaf.len() {
             let ([v0, v1, v2], name) = (leaf.vertices(place), self.names.name(leaf.name(place)));
             triangles.push(FlatTriangle {
@@ -55,6 +79,16 @@ impl Bvh8 {
                 v2,
                 instance_and_mask: name.instance | name.mask,
             });
+        }
+    }
+
+    /// Appends where the vertices of a leaf's triangles begin in the arena, in words. Nothing of a tree in full.
+    pub(in super::super) fn append_vertices(&self, word: Word, vertices: &mut Vec<usize>) {
+        if let ByForm::Compact(place) = self.place() {
+            // SAFETY: inside of this folder there are no other words of leaves.
+            let leaf = unsafe { place.view.leaf(word) };
+            let of = |triangle| [0, 1, 2].map(|corner| leaf.vertex(corner, triangle));
+            vertices.extend((0..leaf.len()).flat_map(of));
         }
     }
 
@@ -82,7 +116,11 @@ impl Traversal for EveryLeaf<'_> {
         mut probe: P,
     ) -> (C, P) {
         let sink = Named::new(&mut collect, &self.0.names);
-        let counted = dispatch(self.0.level, Test { bvh: self.0, ray, sink });
+        let (bvh, level) = (self.0, self.0.level);
+        let counted = match bvh.place() {
+            ByForm::Full(place) => dispatch(level, Test { bvh, place, ray, sink }),
+            ByForm::Compact(place) => dispatch(level, Test { bvh, place, ray, sink }),
+        };
         tell(&counted, &mut probe);
         (collect, probe)
     }
@@ -92,13 +130,14 @@ impl Traversal for EveryLeaf<'_> {
     }
 }
 
-struct Test<'a> {
+struct Test<'a, 'r, R> {
     bvh: &'a Bvh8,
-    ray: &'a PreparedRay,
-    sink: Named<'a, false>,
+    place: Place<'a, R>,
+    ray: &'r PreparedRay,
+    sink: Named<'r, false>,
 }
 
-impl Task for Test<'_> {
+impl<'a, R: Reader<'a>> Task for Test<'a, '_, R> {
     type Output = Counters;
 
     #[inline(always)]
@@ -107,7 +146,7 @@ impl Task for Test<'_> {
         for word in self.bvh.leaves() {
             // SAFETY: the word was read from a node of this arena.
             let flow =
-                unsafe { visit_leaf(level, self.bvh.place(), word, self.ray, &mut self.sink, &mut counters) };
+                unsafe { visit_leaf(level, self.place, word, self.ray, &mut self.sink, &mut counters) };
             if flow.is_break() {
                 break;
             }

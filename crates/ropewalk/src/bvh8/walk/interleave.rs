@@ -1,18 +1,25 @@
 //! Several rays in turn on one core: while one waits for memory, the others work.
 //!
 //! A ray's next node is known when its last step ends, is asked for at once, and needed only when all others have
-//! made a step: the misses of one ray hide behind the work of the rest. What each ray needs lies in a slot. A slot whose ray is done
-//! takes the next one.
+//! made a step: the misses of one ray hide behind the work of the rest. What each ray needs lies in a slot. A slot whose ray is
+//! done takes the next one.
+//!
+//! Where leaves name vertices that lie elsewhere, and the tree is large, a leaf takes two turns: one to ask for its vertices, one
+//! to test them.
 //!
 //! Round by round and plainly: sorting the slots by what they do next was slower in the prototype that this follows, because the
 //! ends of its inner loops are not foreseen.
 
+#[cfg(test)]
+mod tests;
+
 use super::Stack;
-use super::boxes::{Lanes, children};
+use super::boxes::{Boxes, Lanes, children};
 use super::ray::WalkRay;
 use super::single::{Place, visit_leaf};
 use super::sink::{Any, Closest, Sink, is_blind};
 use crate::bvh8::ROOT;
+use crate::bvh8::arena::Reader;
 use crate::bvh8::names::Names;
 use crate::bvh8::node::DONE;
 use crate::bvh8::simd::{Level, Task};
@@ -84,7 +91,7 @@ impl<S> Slot<S> {
 
 /// The rays of a batch that have not begun.
 struct Queue<'a> {
-    place: Place<'a>,
+    names: &'a Names,
     rays: &'a [Ray],
     /// The next one, and where the run that it belongs to ends.
     next: usize,
@@ -107,7 +114,7 @@ impl Queue<'_> {
             self.next += 1;
             let Some(ray) = self.rays.get(index) else { continue };
             if let Some(ray) = PreparedRay::new(ray)
-                && !is_blind(&ray, self.place.names)
+                && !is_blind(&ray, self.names)
             {
                 let slot = slot.as_mut_ptr();
                 // SAFETY: the slot is there to be written. All of it is, but for the numbers of the stack, of which those above its
@@ -120,35 +127,42 @@ impl Queue<'_> {
                 }
                 return true;
             }
-            answers[index] = G::answer(None, self.place.names);
+            answers[index] = G::answer(None, self.names);
         }
     }
 }
 
+/// Rays at a time where the tree is not large.
+pub(super) const FEW: usize = 8;
+/// Where it is.
+pub(super) const MANY: usize = 16;
+
 /// A batch, `SLOTS` rays at a time.
-pub(super) struct Interleaved<'a, G: Goal, const SLOTS: usize> {
-    pub(super) place: Place<'a>,
-    pub(super) rays: &'a [Ray],
+pub(super) struct Interleaved<'a, 'b, R, G: Goal, const SLOTS: usize> {
+    pub(super) place: Place<'a, R>,
+    pub(super) rays: &'b [Ray],
     /// Which of them.
-    pub(super) runs: &'a [Range<usize>],
+    pub(super) runs: &'b [Range<usize>],
     /// As many as there are rays.
-    pub(super) answers: &'a mut [G::Answer],
+    pub(super) answers: &'b mut [G::Answer],
 }
 
-impl<G: Goal, const SLOTS: usize> Task for Interleaved<'_, G, SLOTS> {
+impl<'a, R: Reader<'a>, G: Goal, const SLOTS: usize> Task for Interleaved<'a, '_, R, G, SLOTS> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Level>(self, level: L) {
         let Self { place, rays, runs, answers } = self;
         const { Slot::<G::Sink>::IS_ODD };
-        let mut queue = Queue { place, rays, next: 0, end: 0, runs: runs.iter() };
+        let mut queue = Queue { names: place.names, rays, next: 0, end: 0, runs: runs.iter() };
         // Not set to zero: that would take as long as tens of rays.
         let mut slots: [MaybeUninit<Slot<G::Sink>>; SLOTS] = [const { MaybeUninit::uninit() }; SLOTS];
         let mut free = slots.iter_mut();
         // The slots with rays in them come first.
         let mut busy: [*mut Slot<G::Sink>; SLOTS] = [std::ptr::null_mut(); SLOTS];
         let mut count = 0;
+        // Of each, the leaf whose vertices were asked for. No slot has the same leaf twice, but its next ray may.
+        let mut asked = [DONE; SLOTS];
         while let Some(slot) = free.next()
             && queue.load::<G>(slot, answers)
         {
@@ -169,11 +183,20 @@ impl<G: Goal, const SLOTS: usize> Task for Interleaved<'_, G, SLOTS> {
                     let lanes = Lanes::new(level, slabs);
                     let (entries, hit) = children(level, node, slabs, &lanes, slot.sink.t_max());
                     next = if G::Sink::ORDERED {
-                        level.push_ordered(node, slabs.octant.shift, entries, hit, &mut slot.stack)
+                        level.push_ordered(node.fan(), slabs.octant.shift, entries, hit, &mut slot.stack)
                     } else {
-                        level.push_unordered(node, hit, &mut slot.stack)
+                        level.push_unordered(node.fan(), hit, &mut slot.stack)
                     };
                 } else if word.0 != DONE {
+                    if R::APART && SLOTS > FEW && asked[turn] != word.0 {
+                        // SAFETY: the word was read from a node of this arena and is not the sentinel.
+                        unsafe { place.view.prefetch_vertices(word) };
+                        asked[turn] = word.0;
+                        // The word is still there.
+                        slot.stack.grow(1);
+                        turn += 1;
+                        continue;
+                    }
                     let before = slot.sink.t_max();
                     // SAFETY: the word was read from a node of this arena and is not the sentinel.
                     let flow = unsafe {
@@ -190,10 +213,12 @@ impl<G: Goal, const SLOTS: usize> Task for Interleaved<'_, G, SLOTS> {
                     // SAFETY: a slot may be written anew; where it is not it stays as it is.
                     let slot = unsafe { &mut *std::ptr::from_mut(slot).cast() };
                     if queue.load::<G>(slot, answers) {
+                        asked[turn] = DONE;
                         turn += 1;
                     } else {
                         count -= 1;
                         busy.swap(turn, count);
+                        asked[turn] = asked[count];
                     }
                     continue;
                 }

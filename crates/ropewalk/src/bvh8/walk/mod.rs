@@ -16,4 +16,5 @@ mod sink;
 mod stack;
 mod triangles;
 
+pub(super) use boxes::Boxes;
 pub(super) use stack::Stack;

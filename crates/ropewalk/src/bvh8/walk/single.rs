@@ -1,32 +1,39 @@
 //! One ray from the root to the end.
 
 use super::Stack;
-use super::boxes::{Lanes, children};
+use super::boxes::{Boxes, Lanes, children};
 use super::ray::WalkRay;
 use super::sink::{Any, Closest, Named, Sink, is_blind, tell};
 use super::triangles::cross;
 use crate::batch::Traversal;
 use crate::bvh::walk::Collect;
-use crate::bvh8::arena::View;
+use crate::bvh8::arena::{CompactView, Reader, View};
+use crate::bvh8::leaf::Triangles;
 use crate::bvh8::names::Names;
 use crate::bvh8::node::{DONE, Word};
 use crate::bvh8::simd::{Level, Task, dispatch};
-use crate::bvh8::{Bvh8, ROOT};
+use crate::bvh8::{Bvh8, Form, ROOT};
 use crate::{Counters, Hit, NoProbe, PreparedRay, Probe, Ray};
 use std::ops::ControlFlow;
 
 /// What a walk goes through.
 #[derive(Clone, Copy)]
-pub(in super::super) struct Place<'a> {
-    pub(in super::super) view: View<'a>,
+pub(in super::super) struct Place<'a, R> {
+    pub(in super::super) view: R,
     pub(in super::super) names: &'a Names,
+}
+
+/// Something of a tree in full, or the same of a compact one.
+pub(in super::super) enum ByForm<F, C> {
+    Full(F),
+    Compact(C),
 }
 
 /// Leads a ray through the tree. The tree must not be empty.
 #[inline(always)]
-pub(super) fn walk<L: Level, S: Sink, P: Probe>(
+pub(super) fn walk<'a, L: Level, R: Reader<'a>, S: Sink, P: Probe>(
     level: L,
-    place: Place<'_>,
+    place: Place<'a, R>,
     ray: &PreparedRay,
     sink: &mut S,
     probe: &mut P,
@@ -45,12 +52,12 @@ pub(super) fn walk<L: Level, S: Sink, P: Probe>(
             if hit == 0 {
                 word = stack.pop();
             } else if hit & (hit - 1) == 0 {
-                word = Word(node.children[hit.trailing_zeros() as usize % 8]);
+                word = Word(node.fan().children[hit.trailing_zeros() as usize % 8]);
             } else {
                 word = if S::ORDERED {
-                    level.push_ordered(node, ray.slabs.octant.shift, entries, mask, &mut stack)
+                    level.push_ordered(node.fan(), ray.slabs.octant.shift, entries, mask, &mut stack)
                 } else {
-                    level.push_unordered(node, mask, &mut stack)
+                    level.push_unordered(node.fan(), mask, &mut stack)
                 };
                 // Of the sentinel too.
                 probe.stack_depth(stack.len() - 1);
@@ -79,9 +86,9 @@ pub(super) fn walk<L: Level, S: Sink, P: Probe>(
 /// # Safety
 /// The word was read from a node of the place's arena, and is a leaf's.
 #[inline(always)]
-pub(super) unsafe fn visit_leaf<L: Level, S: Sink, P: Probe>(
+pub(super) unsafe fn visit_leaf<'a, L: Level, R: Reader<'a>, S: Sink, P: Probe>(
     level: L,
-    place: Place<'_>,
+    place: Place<'a, R>,
     word: Word,
     ray: &PreparedRay,
     sink: &mut S,
@@ -110,14 +117,14 @@ pub(super) unsafe fn visit_leaf<L: Level, S: Sink, P: Probe>(
 }
 
 /// A walk of one ray, to be run at some level.
-struct Walk<'a, S, P> {
-    place: Place<'a>,
-    ray: &'a PreparedRay,
+struct Walk<'a, 'r, R, S, P> {
+    place: Place<'a, R>,
+    ray: &'r PreparedRay,
     sink: S,
     probe: P,
 }
 
-impl<S: Sink, P: Probe> Task for Walk<'_, S, P> {
+impl<'a, R: Reader<'a>, S: Sink, P: Probe> Task for Walk<'a, '_, R, S, P> {
     type Output = (S, P);
 
     #[inline(always)]
@@ -160,9 +167,25 @@ impl Bvh8 {
         self.walked::<false>().append_all(ray, hits, NoProbe);
     }
 
+    /// What walks go through.
     #[inline(always)]
-    pub(in super::super) fn place(&self) -> Place<'_> {
-        Place { view: self.arena.view(), names: &self.names }
+    pub(in super::super) fn place(&self) -> ByForm<Place<'_, View<'_>>, Place<'_, CompactView<'_>>> {
+        match self.form {
+            // SAFETY: the reader is that of the form.
+            Form::Full => ByForm::Full(unsafe { self.place_of() }),
+            // SAFETY: as above.
+            Form::Compact { .. } => ByForm::Compact(unsafe { self.place_of() }),
+        }
+    }
+
+    /// The same where the form is known.
+    ///
+    /// # Safety
+    /// The reader is that of the tree's form.
+    #[inline(always)]
+    pub(super) unsafe fn place_of<'a, R: Reader<'a>>(&'a self) -> Place<'a, R> {
+        // SAFETY: the caller's.
+        Place { view: unsafe { R::new(&self.arena) }, names: &self.names }
     }
 
     #[inline(always)]
@@ -170,7 +193,10 @@ impl Bvh8 {
         if self.is_empty() {
             return (sink, probe);
         }
-        dispatch(self.level, Walk { place: self.place(), ray, sink, probe })
+        match self.place() {
+            ByForm::Full(place) => dispatch(self.level, Walk { place, ray, sink, probe }),
+            ByForm::Compact(place) => dispatch(self.level, Walk { place, ray, sink, probe }),
+        }
     }
 
     pub(super) const fn walked<const ORDERED: bool>(&self) -> Walked<'_, ORDERED> {

@@ -6,7 +6,7 @@
 use super::boxes::splat;
 use crate::PreparedRay;
 use crate::aabb::{PAD_ENTRY, PAD_EXIT};
-use crate::bvh8::leaf::Leaf;
+use crate::bvh8::leaf::Triangles;
 use crate::bvh8::simd::Level;
 use crate::bvh8::tree::WIDTH;
 use crate::triangle::{Crossing, permute};
@@ -53,16 +53,16 @@ pub(super) struct RayLanes<L: Level> {
 /// Where a ray crosses the triangles of a leaf within `[t_min, t_max]`, ends included; `None` where it crosses none.
 ///
 /// # Safety
-/// Eight numbers can be read from the beginning of any row of the leaf, as from every leaf of an arena.
+/// The leaf is one of an arena.
 #[inline(always)]
-pub(super) unsafe fn cross<L: Level>(
+pub(super) unsafe fn cross<L: Level, T: Triangles>(
     level: L,
-    leaf: Leaf<'_>,
+    leaf: T,
     ray: &PreparedRay,
     t_max: f32,
 ) -> Option<Crossings> {
-    // SAFETY: the caller's.
-    let vertices = unsafe { vertices(level, leaf, ray) };
+    // SAFETY: the caller's; a ray's axes are 0, 1 and 2.
+    let vertices = unsafe { leaf.corners(level, ray.axes) };
     let (origin, shears) = (splat(level, &permute(ray, &ray.origin)), splat(level, &ray.shear));
     let edges = Edges::new(level, &vertices, &origin, &shears);
     let possible = edges.possible(level) & leaf.lanes();
@@ -187,25 +187,6 @@ fn span<L: Level>(level: L, vertices: &[Triple<L>; 3], ray: &RayLanes<L>) -> (L:
         level.mul(level.larger(level.larger(near[0], near[1]), near[2]), level.splat(PAD_ENTRY)),
         level.mul(level.smaller(level.smaller(far[0], far[1]), far[2]), level.splat(PAD_EXIT)),
     )
-}
-
-/// The vertices of a leaf's triangles, a lane a triangle.
-///
-/// # Safety
-/// As [`cross`].
-#[inline(always)]
-unsafe fn vertices<L: Level>(level: L, leaf: Leaf<'_>, ray: &PreparedRay) -> [Triple<L>; 3] {
-    let [x, y, z] = ray.axes;
-    let (x, y, z) = (leaf.row(usize::from(x)), leaf.row(usize::from(y)), leaf.row(usize::from(z)));
-    let vertex = 3 * leaf.len();
-    // SAFETY: the caller's; axes are 0, 1 and 2, and a vertex has three rows, so that all nine are those of the leaf.
-    unsafe {
-        [
-            [level.read(x), level.read(y), level.read(z)],
-            [level.read(x.add(vertex)), level.read(y.add(vertex)), level.read(z.add(vertex))],
-            [level.read(x.add(2 * vertex)), level.read(y.add(2 * vertex)), level.read(z.add(2 * vertex))],
-        ]
-    }
 }
 
 /// Numbers of x, y and z in the ray's order of axes.

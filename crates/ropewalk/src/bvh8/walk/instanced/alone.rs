@@ -3,6 +3,7 @@
 use super::find::{Find, Goal};
 use super::levels::Levels;
 use crate::bvh8::ROOT;
+use crate::bvh8::arena::Reader;
 use crate::bvh8::node::{DONE, Word};
 use crate::bvh8::simd::{Level, Task};
 use crate::bvh8::walk::Stack;
@@ -14,9 +15,9 @@ use std::marker::PhantomData;
 
 /// Leads a ray through both levels. The top one must not be empty; the ray is that of which the prepared one was made.
 #[inline(always)]
-fn lead<'a, L: Level, F: Find<'a>, P: Probe>(
+fn lead<'a, L: Level, R: Reader<'a>, F: Find<'a>, P: Probe>(
     level: L,
-    levels: Levels<'a>,
+    levels: Levels<'a, R>,
     (question, ray): (&Ray, &PreparedRay),
     find: &mut F,
     probe: &mut P,
@@ -38,9 +39,9 @@ fn lead<'a, L: Level, F: Find<'a>, P: Probe>(
                 word = Word(node.children[hit.trailing_zeros() as usize % 8]);
             } else {
                 word = if F::ORDERED {
-                    level.push_ordered(node, slabs.octant.shift, entries, mask, &mut stack)
+                    level.push_ordered(node.fan(), slabs.octant.shift, entries, mask, &mut stack)
                 } else {
-                    level.push_unordered(node, mask, &mut stack)
+                    level.push_unordered(node.fan(), mask, &mut stack)
                 };
                 // Of the sentinel too.
                 probe.stack_depth(stack.len() - 1);
@@ -71,15 +72,15 @@ fn lead<'a, L: Level, F: Find<'a>, P: Probe>(
 }
 
 /// A walk of one ray, to be run at some level.
-pub(super) struct One<'a, 'r, F, P> {
-    pub(super) levels: Levels<'a>,
+pub(super) struct One<'a, 'r, R, F, P> {
+    pub(super) levels: Levels<'a, R>,
     pub(super) question: &'r Ray,
     pub(super) ray: &'r PreparedRay,
     pub(super) find: F,
     pub(super) probe: P,
 }
 
-impl<'a, F: Find<'a>, P: Probe> Task for One<'a, '_, F, P> {
+impl<'a, R: Reader<'a>, F: Find<'a>, P: Probe> Task for One<'a, '_, R, F, P> {
     type Output = (F, P);
 
     #[inline(always)]
@@ -90,15 +91,15 @@ impl<'a, F: Find<'a>, P: Probe> Task for One<'a, '_, F, P> {
 }
 
 /// A batch, one ray after the other.
-pub(super) struct Each<'a, 'b, G: Goal<'a>> {
-    pub(super) levels: Levels<'a>,
+pub(super) struct Each<'a, 'b, R, G: Goal<'a>> {
+    pub(super) levels: Levels<'a, R>,
     pub(super) rays: &'b [Ray],
     /// As many as there are rays.
     pub(super) answers: &'b mut [G::Answer],
     pub(super) goal: PhantomData<G>,
 }
 
-impl<'a, G: Goal<'a>> Task for Each<'a, '_, G> {
+impl<'a, R: Reader<'a>, G: Goal<'a>> Task for Each<'a, '_, R, G> {
     type Output = ();
 
     #[inline(always)]

@@ -3,31 +3,32 @@
 use super::find::Find;
 use super::levels::{Approach, Levels};
 use crate::bvh8::ROOT;
-use crate::bvh8::node::{DONE, PackedNode, Word};
+use crate::bvh8::arena::Reader;
+use crate::bvh8::node::{DONE, Word};
 use crate::bvh8::simd::Level;
 use crate::bvh8::walk::Stack;
-use crate::bvh8::walk::boxes::{Lanes, children};
+use crate::bvh8::walk::boxes::{Boxes, Lanes, children};
 use crate::bvh8::walk::ray::Slabs;
 use crate::bvh8::walk::single::visit_leaf;
 use crate::{PreparedRay, Probe, Ray};
 
 /// A ray on its way. Stacks come last: of them the lowest places matter.
 #[repr(align(64))]
-pub(super) struct Course<'a, F> {
+pub(super) struct Course<'a, R, F> {
     slabs: Slabs,
     question: Ray,
     ray: PreparedRay,
     pub(super) find: F,
     /// Where the ray is inside an instance.
-    entered: Option<Entered<'a>>,
+    entered: Option<Entered<'a, R>>,
     top: Stack,
     bottom: Stack,
 }
 
 /// A ray in the space of an instance's object.
-struct Entered<'a> {
+struct Entered<'a, R> {
     slabs: Slabs,
-    object: Approach<'a>,
+    object: Approach<'a, R>,
     /// How far the scene was of interest when the ray entered.
     before: f32,
 }
@@ -39,7 +40,7 @@ pub(super) enum Step {
     Done,
 }
 
-impl<'a, F: Find<'a>> Course<'a, F> {
+impl<'a, R: Reader<'a>, F: Find<'a>> Course<'a, R, F> {
     /// At the root of the top level, which must not be empty.
     #[inline(always)]
     pub(super) fn new(question: &Ray, ray: PreparedRay, find: F) -> Self {
@@ -60,7 +61,12 @@ impl<'a, F: Find<'a>> Course<'a, F> {
 
     /// Visits one node or one leaf. After [`Step::Done`] nothing is to be visited.
     #[inline(always)]
-    pub(super) fn step<L: Level, P: Probe>(&mut self, level: L, levels: Levels<'a>, probe: &mut P) -> Step {
+    pub(super) fn step<L: Level, P: Probe>(
+        &mut self,
+        level: L,
+        levels: Levels<'a, R>,
+        probe: &mut P,
+    ) -> Step {
         if self.entered.is_some() {
             self.step_inside(level, levels, probe)
         } else {
@@ -69,12 +75,12 @@ impl<'a, F: Find<'a>> Course<'a, F> {
     }
 
     #[inline(always)]
-    fn step_above<L: Level, P: Probe>(&mut self, level: L, levels: Levels<'a>, probe: &mut P) -> Step {
+    fn step_above<L: Level, P: Probe>(&mut self, level: L, levels: Levels<'a, R>, probe: &mut P) -> Step {
         let word = self.top.pop();
         if !word.is_leaf() {
             // SAFETY: the word is the root's, or was read from a node of this arena.
             let node = unsafe { levels.top.node(word) };
-            visit::<L, F, P>(level, node, &self.slabs, self.find.t_max(), &mut self.top, probe);
+            visit::<L, _, F, P>(level, node, &self.slabs, self.find.t_max(), &mut self.top, probe);
         } else if word.0 == DONE {
             return Step::Done;
         } else {
@@ -90,7 +96,7 @@ impl<'a, F: Find<'a>> Course<'a, F> {
 
     /// Goes into the instance of a leaf, where the ray meets it.
     #[inline(always)]
-    fn enter<P: Probe>(&mut self, levels: Levels<'a>, word: Word, probe: &mut P) {
+    fn enter<P: Probe>(&mut self, levels: Levels<'a, R>, word: Word, probe: &mut P) {
         let Some(object) = levels.approach(word, &self.question, &self.ray, probe) else { return };
         let slabs = Slabs::new(&object.ray);
         self.entered = Some(Entered { slabs, object, before: self.find.t_max() });
@@ -99,14 +105,14 @@ impl<'a, F: Find<'a>> Course<'a, F> {
     }
 
     #[inline(always)]
-    fn step_inside<L: Level, P: Probe>(&mut self, level: L, levels: Levels<'a>, probe: &mut P) -> Step {
+    fn step_inside<L: Level, P: Probe>(&mut self, level: L, levels: Levels<'a, R>, probe: &mut P) -> Step {
         let Some(entered) = &self.entered else { return Step::Done };
         let word = self.bottom.pop();
         let limit = entered.object.moving.limit(self.find.t_max());
         if !word.is_leaf() {
             // SAFETY: the word is the root's, or was read from a node of this arena. Objects without nodes are not placed.
             let node = unsafe { entered.object.place.view.node(word) };
-            visit::<L, F, P>(level, node, &entered.slabs, limit, &mut self.bottom, probe);
+            visit::<L, _, F, P>(level, node, &entered.slabs, limit, &mut self.bottom, probe);
         } else if word.0 == DONE {
             probe.object_left();
             let before = entered.before;
@@ -136,9 +142,9 @@ impl<'a, F: Find<'a>> Course<'a, F> {
 
 /// Pushes the children of a node that the ray meets.
 #[inline(always)]
-fn visit<'a, L: Level, F: Find<'a>, P: Probe>(
+fn visit<'a, L: Level, N: Boxes, F: Find<'a>, P: Probe>(
     level: L,
-    node: &PackedNode,
+    node: &N,
     slabs: &Slabs,
     limit: f32,
     stack: &mut Stack,
@@ -148,9 +154,9 @@ fn visit<'a, L: Level, F: Find<'a>, P: Probe>(
     let lanes = Lanes::new(level, slabs);
     let (entries, hit) = children(level, node, slabs, &lanes, limit);
     let _ = if F::ORDERED {
-        level.push_ordered(node, slabs.octant.shift, entries, hit, stack)
+        level.push_ordered(node.fan(), slabs.octant.shift, entries, hit, stack)
     } else {
-        level.push_unordered(node, hit, stack)
+        level.push_unordered(node.fan(), hit, stack)
     };
     // Of the sentinel too.
     probe.stack_depth(stack.len() - 1);

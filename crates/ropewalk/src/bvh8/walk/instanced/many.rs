@@ -3,6 +3,7 @@
 use super::course::{Course, Step};
 use super::find::Goal;
 use super::levels::Levels;
+use crate::bvh8::arena::Reader;
 use crate::bvh8::simd::{Level, Task};
 use crate::{NoProbe, PreparedRay, Ray};
 use std::marker::PhantomData;
@@ -30,22 +31,22 @@ impl Queue<'_> {
 }
 
 /// A batch, `SLOTS` rays at a time. The top level must not be empty.
-pub(super) struct Many<'a, 'b, G: Goal<'a>, const SLOTS: usize> {
-    pub(super) levels: Levels<'a>,
+pub(super) struct Many<'a, 'b, R, G: Goal<'a>, const SLOTS: usize> {
+    pub(super) levels: Levels<'a, R>,
     pub(super) rays: &'b [Ray],
     /// As many as there are rays.
     pub(super) answers: &'b mut [G::Answer],
     pub(super) goal: PhantomData<G>,
 }
 
-impl<'a, G: Goal<'a>, const SLOTS: usize> Task for Many<'a, '_, G, SLOTS> {
+impl<'a, R: Reader<'a>, G: Goal<'a>, const SLOTS: usize> Task for Many<'a, '_, R, G, SLOTS> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Level>(self, level: L) {
         let Self { levels, rays, answers, .. } = self;
         let mut queue = Queue { rays, next: 0 };
-        let mut slots: [Option<Course<'a, G>>; SLOTS] = [const { None }; SLOTS];
+        let mut slots: [Option<Course<'a, R, G>>; SLOTS] = [const { None }; SLOTS];
         // Which of the batch each slot leads, and the slots that lead one.
         let mut indices = [0; SLOTS];
         let mut busy: [usize; SLOTS] = std::array::from_fn(|slot| slot);

@@ -3,8 +3,10 @@
 use super::find::{FindAny, FindClosest};
 use super::levels::Levels;
 use super::many::Many;
+use crate::bvh8::arena::Reader;
 use crate::bvh8::simd::{Detected, dispatch};
-use crate::bvh8::{Bvh8Options, SimdLevel};
+use crate::bvh8::walk::single::ByForm;
+use crate::bvh8::{Bvh8Options, Instanced, Preset, SimdLevel};
 use crate::{Hit, Mesh, Ray, Scene, Transform};
 use glam::{Affine3A, Quat, Vec3};
 use std::marker::PhantomData;
@@ -43,24 +45,31 @@ fn rays_in_turn_are_answered_as_rays_one_by_one() {
     rays[4] = Ray::new(Vec3::ZERO, Vec3::ZERO);
     let mut met = 0;
     for level in SimdLevel::EVERY.into_iter().filter(|level| level.is_available()) {
-        let detected = Detected::or_best(Some(level));
-        let instanced = scene.build_instanced(&Bvh8Options::default()).unwrap().at(level);
-        for count in [0, 1, 7, 8, 9, rays.len()] {
-            let (levels, rays) = (Levels::of(&instanced), &rays[..count]);
-            let (mut hits, mut any) = (vec![Hit::MISS; count], vec![true; count]);
-            let closest =
-                Many::<'_, '_, FindClosest<'_>, 8> { levels, rays, answers: &mut hits, goal: PhantomData };
-            dispatch(detected, closest);
-            dispatch(
-                detected,
-                Many::<'_, '_, FindAny, 8> { levels, rays, answers: &mut any, goal: PhantomData },
-            );
-            for ((ray, hit), any) in rays.iter().zip(&hits).zip(any) {
-                assert_eq!(hit.to_words(), instanced.closest(ray).to_words(), "{level}: {ray:?}");
-                assert_eq!((any, instanced.any(ray)), (hit.is_hit(), any), "{level}: {ray:?}");
-                met += usize::from(any);
+        for preset in [Preset::Balanced, Preset::Compact] {
+            let instanced = scene.build_instanced(&Bvh8Options { preset, level: None }).unwrap().at(level);
+            for count in [0, 1, 7, 8, 9, rays.len()] {
+                met += match instanced.levels() {
+                    ByForm::Full(levels) => check(levels, &instanced, &rays[..count]),
+                    ByForm::Compact(levels) => check(levels, &instanced, &rays[..count]),
+                };
             }
         }
     }
     assert!(met > 100, "{met}");
+}
+
+/// Tells how many rays hit something.
+fn check<'a, R: Reader<'a>>(levels: Levels<'a, R>, instanced: &'a Instanced, rays: &[Ray]) -> usize {
+    let (level, count) = (instanced.level(), rays.len());
+    let detected = Detected::or_best(Some(level));
+    let (mut hits, mut any) = (vec![Hit::MISS; count], vec![true; count]);
+    let answers = &mut hits;
+    dispatch(detected, Many::<'_, '_, R, FindClosest<'_>, 8> { levels, rays, answers, goal: PhantomData });
+    let answers = &mut any;
+    dispatch(detected, Many::<'_, '_, R, FindAny, 8> { levels, rays, answers, goal: PhantomData });
+    for ((ray, hit), &any) in rays.iter().zip(&hits).zip(&any) {
+        assert_eq!(hit.to_words(), instanced.closest(ray).to_words(), "{level}: {ray:?}");
+        assert_eq!((any, instanced.any(ray)), (hit.is_hit(), any), "{level}: {ray:?}");
+    }
+    any.into_iter().filter(|&any| any).count()
 }

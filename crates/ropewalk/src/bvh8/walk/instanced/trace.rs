@@ -1,15 +1,17 @@
 //! One ray or many through two levels.
 
 use super::alone::{Each, One};
-use super::find::{FindAny, FindClosest, FindFor, Goal};
+use super::find::{Find, FindAny, FindClosest, FindFor, Goal};
 use super::levels::Levels;
 use super::many::Many;
 use crate::batch::{Answer, Batch, Keep, TraceOptions, Traced, Traversal};
 use crate::bvh::StackOrder;
 use crate::bvh::walk::Collect;
 use crate::bvh8::Instanced;
+use crate::bvh8::arena::Reader;
 use crate::bvh8::simd::dispatch;
 use crate::bvh8::walk::brute_force::EveryLeaf;
+use crate::bvh8::walk::single::ByForm;
 use crate::bvh8::walk::sink::tell;
 use crate::parallel::fill_chunks;
 use crate::two_level::{Moved, Moving};
@@ -118,11 +120,23 @@ impl Instanced {
     fn one<'a, G: Goal<'a>>(&'a self, ray: &Ray) -> G::Answer {
         match PreparedRay::new(ray) {
             Some(prepared) if !self.top().is_empty() => {
-                let (levels, find) = (Levels::of(self), G::new(&prepared));
-                let one = One { levels, question: ray, ray: &prepared, find, probe: NoProbe };
-                dispatch(self.level, one).0.answer()
+                self.lead(ray, &prepared, G::new(&prepared), NoProbe).0.answer()
             }
             _ => G::NOTHING,
+        }
+    }
+
+    /// Leads a ray through both levels. The top one must not be empty.
+    fn lead<'a, F: Find<'a>, P: Probe>(
+        &'a self,
+        question: &Ray,
+        ray: &PreparedRay,
+        find: F,
+        probe: P,
+    ) -> (F, P) {
+        match self.levels() {
+            ByForm::Full(levels) => dispatch(self.level, One { levels, question, ray, find, probe }),
+            ByForm::Compact(levels) => dispatch(self.level, One { levels, question, ray, find, probe }),
         }
     }
 
@@ -133,13 +147,28 @@ impl Instanced {
             answers.fill(G::NOTHING);
             return;
         }
-        let levels = Levels::of(self);
+        match self.levels() {
+            ByForm::Full(levels) => self.many_in::<_, G>(levels, rays, answers),
+            ByForm::Compact(levels) => self.many_in::<_, G>(levels, rays, answers),
+        }
+    }
+
+    /// As many rays as answers, through a top level that is not empty.
+    fn many_in<'a, R: Reader<'a> + Sync, G: Goal<'a>>(
+        &self,
+        levels: Levels<'a, R>,
+        rays: &[Ray],
+        answers: &mut [G::Answer],
+    ) {
         fill_chunks(answers, CHUNK, |first, answers| {
             let rays = &rays[first..][..answers.len()];
             if self.report().bytes > LARGE {
-                dispatch(self.level, Many::<'a, '_, G, SLOTS> { levels, rays, answers, goal: PhantomData });
+                dispatch(
+                    self.level,
+                    Many::<'a, '_, R, G, SLOTS> { levels, rays, answers, goal: PhantomData },
+                );
             } else {
-                dispatch(self.level, Each::<'a, '_, G> { levels, rays, answers, goal: PhantomData });
+                dispatch(self.level, Each::<'a, '_, R, G> { levels, rays, answers, goal: PhantomData });
             }
         });
     }
@@ -158,9 +187,8 @@ impl<const ORDERED: bool> Traversal for Both<'_, ORDERED> {
         mut probe: P,
     ) -> (C, P) {
         if !self.0.top().is_empty() {
-            let (levels, find) = (Levels::of(self.0), FindFor::<ORDERED>::new(&mut collect));
-            let one = One { levels, question, ray, find, probe: Counters::default() };
-            let counted = dispatch(self.0.level, one).1;
+            let find = FindFor::<ORDERED>::new(&mut collect);
+            let counted = self.0.lead(question, ray, find, Counters::default()).1;
             tell(&counted, &mut probe);
             (0..counted.objects_entered).for_each(|_| probe.object_entered());
         }

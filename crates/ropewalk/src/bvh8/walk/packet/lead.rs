@@ -1,7 +1,7 @@
 //! A packet's way through the tree.
 
 use super::super::Stack;
-use super::super::boxes::{Lanes, children};
+use super::super::boxes::{Boxes, Lanes, children};
 use super::super::ray::Slabs;
 use super::super::single::Place;
 use super::super::sink::Sink;
@@ -10,16 +10,17 @@ use super::super::triangles::{Edges, Triple};
 use super::rays::Packet;
 use super::{GROUPS, MOST_WORK, RAYS};
 use crate::bvh8::ROOT;
-use crate::bvh8::leaf::Leaf;
-use crate::bvh8::node::{DONE, PackedNode, Word};
+use crate::bvh8::arena::Reader;
+use crate::bvh8::leaf::Triangles;
+use crate::bvh8::node::{DONE, Word};
 use crate::bvh8::simd::Level;
 use crate::bvh8::tree::WIDTH;
 
 /// Leads a packet through the tree, and tells how much work that was; `None` where it spreads too much.
 #[inline(always)]
-pub(super) fn lead<L: Level, S: Sink>(
+pub(super) fn lead<'a, L: Level, R: Reader<'a>, S: Sink>(
     level: L,
-    place: Place<'_>,
+    place: Place<'a, R>,
     packet: &mut Packet,
     sinks: &mut [S; RAYS],
     stack: &mut Stack,
@@ -48,9 +49,9 @@ pub(super) fn lead<L: Level, S: Sink>(
             let above = stack.len();
             parents[above..above + WIDTH].fill(word.0);
             if S::ORDERED {
-                let _ = level.push_ordered(node, slabs.octant.shift, entries, hit, stack);
+                let _ = level.push_ordered(node.fan(), slabs.octant.shift, entries, hit, stack);
             } else {
-                let _ = level.push_unordered(node, hit, stack);
+                let _ = level.push_unordered(node.fan(), hit, stack);
             }
             continue;
         }
@@ -70,41 +71,36 @@ pub(super) fn lead<L: Level, S: Sink>(
 
 /// The near and far sides of a leaf's box, as its node has them.
 #[inline(always)]
-fn sides<L: Level>(level: L, node: &PackedNode, word: Word, slabs: &Slabs) -> [Triple<L>; 2] {
+fn sides<L: Level, N: Boxes>(level: L, node: &N, word: Word, slabs: &Slabs) -> [Triple<L>; 2] {
     let mut place = 0;
     for other in 1..WIDTH {
-        if node.children[other] == word.0 {
+        if node.fan().children[other] == word.0 {
             place = other;
         }
     }
     let (near, far) = (slabs.octant.near_rows, slabs.octant.far_rows);
     [
         [
-            side(level, node, near[0], place),
-            side(level, node, near[1], place),
-            side(level, node, near[2], place),
+            level.splat(node.side(0, near[0], place)),
+            level.splat(node.side(1, near[1], place)),
+            level.splat(node.side(2, near[2], place)),
         ],
         [
-            side(level, node, far[0], place),
-            side(level, node, far[1], place),
-            side(level, node, far[2], place),
+            level.splat(node.side(0, far[0], place)),
+            level.splat(node.side(1, far[1], place)),
+            level.splat(node.side(2, far[2], place)),
         ],
     ]
 }
 
-#[inline(always)]
-fn side<L: Level>(level: L, node: &PackedNode, row: u32, place: usize) -> L::Floats {
-    level.splat(node.row(row / 32)[place % WIDTH])
-}
-
 /// Tests a leaf's triangles; tells how many tests that took, and in which groups a window has become shorter, a bit each.
 #[inline(always)]
-fn visit_leaf<L: Level, S: Sink>(
+fn visit_leaf<'a, L: Level, R: Reader<'a>, S: Sink>(
     level: L,
-    place: Place<'_>,
+    place: Place<'a, R>,
     packet: &mut Packet,
     sinks: &mut [S; RAYS],
-    leaf: Leaf<'_>,
+    leaf: R::Leaf,
     [near, far]: &[Triple<L>; 2],
 ) -> (usize, u32) {
     let (mut entered, mut groups) = (0_u32, packet.groups_that_enter(level, near, far));
@@ -150,7 +146,7 @@ fn visit_leaf<L: Level, S: Sink>(
 
 /// The vertices of a triangle, each in all lanes.
 #[inline(always)]
-fn corners<L: Level>(level: L, leaf: Leaf<'_>, triangle: usize, axes: [usize; 3]) -> [Triple<L>; 3] {
+fn corners<L: Level, T: Triangles>(level: L, leaf: T, triangle: usize, axes: [usize; 3]) -> [Triple<L>; 3] {
     let (x, y, z) = (axes[0] % 3, axes[1] % 3, axes[2] % 3);
     [
         [

@@ -20,6 +20,7 @@ use super::single::Place;
 use super::sink::is_blind_to;
 use super::stack::ROOM;
 use crate::Ray;
+use crate::bvh8::arena::Reader;
 use crate::bvh8::simd::{Level, Task};
 use crate::bvh8::tree::WIDTH;
 use lead::lead;
@@ -42,14 +43,14 @@ const WORTH: usize = 6;
 const CREDIT: usize = 4 * RAYS;
 
 /// Leads the packets of a chunk of at most [`CHUNK`] rays.
-pub(super) struct Packets<'a, G: Goal> {
-    pub(super) place: Place<'a>,
-    pub(super) rays: &'a [Ray],
+pub(super) struct Packets<'a, 'b, R, G: Goal> {
+    pub(super) place: Place<'a, R>,
+    pub(super) rays: &'b [Ray],
     /// As many as there are rays.
-    pub(super) answers: &'a mut [G::Answer],
+    pub(super) answers: &'b mut [G::Answer],
 }
 
-impl<G: Goal> Task for Packets<'_, G> {
+impl<'a, R: Reader<'a>, G: Goal> Task for Packets<'a, '_, R, G> {
     /// Which rays are left, in their order.
     type Output = Vec<Range<usize>>;
 
