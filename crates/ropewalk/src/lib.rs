@@ -30,6 +30,7 @@ pub mod bvh8;
 pub mod catalogue;
 mod clock;
 mod error;
+mod flatten;
 mod hit;
 pub mod kd_tree;
 mod memory;
@@ -59,6 +60,7 @@ pub use catalogue::{DeviceKind, Structure, StructureKind, StructureSpec, Walk};
 pub use error::{
     BuildError, CatalogueError, SceneError, TraceError, TransformError, UpdateError, ValidationError,
 };
+pub use flatten::FlatScene;
 pub use glam;
 pub use hit::Hit;
 pub use kd_tree::{KdOptions, KdTree};
@@ -72,7 +74,7 @@ pub use probe::{CounterTotals, Counters, NoProbe, Probe};
 pub use query::Query;
 pub use ray::{LARGEST_DIRECTION, PreparedRay, Ray, SMALLEST_DIRECTION};
 pub use refit::RefitReport;
-pub use scene::{FlatScene, InputReport, Instance, Object, Scene};
+pub use scene::{InputReport, Instance, Object, Scene};
 pub use sphere::Sphere;
 pub use status::Status;
 pub use transform::Transform;

@@ -7,11 +7,8 @@
 //! a scene has an [`origin`](Scene::origin) in f64, and everything in it, instances, rays and hits, is relative to it.
 
 use crate::error::SceneError;
-use crate::memory::with_capacity;
-use crate::parallel::extend;
 use crate::{Aabb, FlatTriangle, Mesh, Ray, Transform};
-use glam::{DVec3, Vec3};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use glam::DVec3;
 
 /// Meshes that move together.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -105,15 +102,6 @@ impl InputReport {
     }
 }
 
-/// The triangles of all instances in the scene's space, and what was left out.
-#[derive(Clone, Debug, Default)]
-pub struct FlatScene {
-    /// The good triangles, ordered by instance, geometry, primitive.
-    pub triangles: Vec<FlatTriangle>,
-    /// What was wrong with the others.
-    pub report: InputReport,
-}
-
 impl Scene {
     /// Coordinates beyond this size would overflow products of three in f32.
     pub const LARGEST_COORDINATE: f32 = 1e12;
@@ -169,34 +157,6 @@ impl Scene {
         Ray::new((origin - self.origin).as_vec3(), dir.as_vec3())
     }
 
-    /// Places every triangle in the scene's space, leaving out and counting what cannot be hit.
-    ///
-    /// # Errors
-    /// When an instance names no object, or there are more instances or triangles than the identity words hold.
-    pub fn flatten(&self) -> Result<FlatScene, SceneError> {
-        self.check_instances()?;
-        let triangles = self.triangle_count();
-        // A node's link and a binary tree's node count must fit 32 bits.
-        let limit = (u32::MAX / 2) as usize;
-        if triangles > limit {
-            return Err(SceneError::TooManyTriangles { triangles, limit });
-        }
-        let mut flat = FlatScene { triangles: with_capacity(triangles), ..FlatScene::default() };
-        for (instance_index, instance) in self.instances.iter().enumerate() {
-            let object = &self.objects[instance.object as usize];
-            let mirror = if instance.transform.mirrors() { FlatTriangle::MIRROR } else { 0 };
-            let instance_and_mask = instance_index as u32 | instance.mask << 24;
-            for (geometry, mesh) in object.geometries.iter().enumerate() {
-                let place = |position: Vec3| instance.transform.point(position);
-                flat.place(mesh, geometry as u32 | mirror, instance_and_mask, place);
-            }
-        }
-        if flat.report.skipped() > 0 {
-            flat.triangles.retain(|triangle| !triangle.v0[0].is_nan());
-        }
-        Ok(flat)
-    }
-
     /// Refuses instances of nothing, and more of them than an index counts.
     pub(crate) fn check_instances(&self) -> Result<(), SceneError> {
         if self.instances.len() > FlatTriangle::INSTANCE_LIMIT {
@@ -221,111 +181,5 @@ impl Scene {
         self.instances
             .iter()
             .filter_map(|instance| Some((instance, self.objects.get(instance.object as usize)?)))
-    }
-}
-
-impl FlatScene {
-    /// What stands for a triangle that is left out, until the end: no good one has a vertex that is not a number.
-    const LEFT_OUT: FlatTriangle = FlatTriangle {
-        v0: [f32::NAN; 3],
-        primitive: 0,
-        v1: [0.0; 3],
-        geometry_and_mirror: 0,
-        v2: [0.0; 3],
-        instance_and_mask: 0,
-    };
-
-    /// Places the triangles of a mesh; some of them may be [`Self::LEFT_OUT`].
-    fn place(
-        &mut self,
-        mesh: &Mesh,
-        geometry_and_mirror: u32,
-        instance_and_mask: u32,
-        place: impl Fn(Vec3) -> Vec3 + Send + Sync,
-    ) {
-        // What is counted is rare, so that several threads may count in one place.
-        let [out_of_range, not_finite, degenerate, collinear] = [const { AtomicUsize::new(0) }; 4];
-        let count = |counter: &AtomicUsize| {
-            counter.fetch_add(1, Ordering::Relaxed);
-        };
-        extend(&mut self.triangles, &mesh.triangles, |primitive, _| {
-            let Some(mut triangle) = mesh.triangle(primitive) else {
-                count(&out_of_range);
-                return Self::LEFT_OUT;
-            };
-            triangle.vertices = triangle.vertices.map(&place);
-            // `all` of a comparison that NaN fails, and infinity: both count as too large.
-            let is_small = |vertex: &Vec3| vertex.abs().cmple(Vec3::splat(Scene::LARGEST_COORDINATE)).all();
-            if !triangle.vertices.iter().all(is_small) {
-                count(&not_finite);
-                return Self::LEFT_OUT;
-            }
-            if triangle.is_degenerate() {
-                count(&degenerate);
-                return Self::LEFT_OUT;
-            }
-            if !triangle.has_area() {
-                count(&collinear);
-            }
-            let [v0, v1, v2] = triangle.vertices.map(|vertex| vertex.to_array());
-            let primitive = primitive as u32;
-            FlatTriangle { v0, primitive, v1, geometry_and_mirror, v2, instance_and_mask }
-        });
-        let report = &mut self.report;
-        report.triangles += mesh.triangles.len();
-        report.out_of_range += out_of_range.into_inner();
-        report.not_finite += not_finite.into_inner();
-        report.degenerate += degenerate.into_inner();
-        report.collinear += collinear.into_inner();
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::Affine3A;
-
-    #[test]
-    fn what_cannot_be_hit_is_counted() {
-        let mesh = Mesh::new(
-            vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::splat(f32::NAN), Vec3::splat(1e13), Vec3::X * 2.0],
-            vec![[0, 1, 2], [0, 1, 3], [0, 1, 4], [0, 1, 9], [0, 1, 5], [1, 1, 2]],
-        );
-        let flat = Scene::from_mesh(mesh).flatten().unwrap();
-        // Three different points on a line are kept.
-        let expected =
-            InputReport { triangles: 6, not_finite: 2, out_of_range: 1, degenerate: 1, collinear: 1 };
-        assert_eq!(flat.report, expected);
-        assert_eq!(flat.triangles.len(), 2);
-    }
-
-    #[test]
-    fn instances_keep_their_names_and_sides() {
-        let mut scene = Scene::default();
-        let mesh = Mesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]);
-        let object = scene.add_object(Object { geometries: vec![Mesh::default(), mesh] });
-        scene.add_instance(object, Transform::IDENTITY);
-        let mirror = Transform::new(Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0))).unwrap();
-        scene.add_instance(object, mirror);
-        scene.instances[1].mask = 2;
-        let flat = scene.flatten().unwrap();
-        let names: Vec<_> = flat
-            .triangles
-            .iter()
-            .map(|triangle| {
-                (triangle.instance(), triangle.geometry(), triangle.primitive, triangle.is_mirrored())
-            })
-            .collect();
-        assert_eq!(names, [(0, 1, 0, false), (1, 1, 0, true)]);
-        assert_eq!(flat.triangles[1].instance_and_mask >> 24, 2);
-        assert_eq!(scene.bounds(), Aabb::new(Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 1.0, 0.0)));
-    }
-
-    #[test]
-    fn an_instance_of_nothing_is_an_error() {
-        let mut scene = Scene::default();
-        scene.add_instance(4, Transform::IDENTITY);
-        let error = scene.flatten().unwrap_err();
-        assert_eq!(error, SceneError::NoSuchObject { instance: 0, object: 4, objects: 0 });
     }
 }

@@ -59,8 +59,13 @@ impl Arena {
         let mut map = memmap2::MmapMut::map_anon(bytes.checked_add(SMALLEST_MAP)?).ok()?;
         let first = map.as_mut_ptr().align_offset(SMALLEST_MAP);
         #[cfg(target_os = "linux")]
-        // A system without huge pages says no, and small ones do.
-        let _ = map.advise_range(memmap2::Advice::HugePage, first, bytes);
+        {
+            // A system without huge pages says no, and small ones do.
+            let _ = map.advise_range(memmap2::Advice::HugePage, first, bytes);
+            // What fills no huge page comes at once, instead of with a fault for every small one.
+            let tail = bytes / SMALLEST_MAP * SMALLEST_MAP;
+            let _ = map.advise_range(memmap2::Advice::PopulateWrite, first + tail, bytes - tail);
+        }
         Some(Memory::Pages { map, first })
     }
 

@@ -3,26 +3,30 @@
 //! A block is a node of 256 bytes, its leaves on boundaries of 16 bytes, and what is missing to a whole cache line. Where each begins
 //! is a sum over the blocks before it; then blocks are written side by side.
 //!
-//! **Places** are put in the order in which any-hit walks want them (the last one is visited first): inner nodes before leaves, each by
-//! growing area, so that what is likely to stop a ray is tried first.
+//! The triangles of leaves lie anywhere, so those of a leaf some leaves ahead are asked for. All of it is compiled for the
+//! processor's vector instructions.
 
-use super::arena::{Arena, LINE};
+use super::arena::{Arena, LINE, prefetch};
 use super::leaf::{self, BYTES, MARGIN};
 use super::node::{LARGEST_ARENA, PackedNode, UNIT, Word};
 use super::order::push_order;
-use super::tree::{Child, Tree, TreeNode, WIDTH};
+use super::places;
+use super::simd::{Detected, Level, Task, dispatch};
+use super::tree::{Tree, TreeNode, WIDTH};
 use crate::FlatTriangle;
 use crate::parallel::join;
 
 /// Blocks that one thread writes.
 const SEQUENTIAL: usize = 2048;
+/// So many references lie between asking for a triangle and reading it: those of about two blocks.
+const AHEAD: usize = 32;
 
 /// The arena of a tree, and where in it, in units of 16 bytes, each block begins; or how many bytes it would need where that is too
-/// much.
+/// much. Triangles whose numbers are not given have them in place of those of their primitives.
 pub(super) fn pack(
     tree: &Tree,
     triangles: &[FlatTriangle],
-    numbers: &[u32],
+    numbers: Option<&[u32]>,
 ) -> Result<(Arena, Vec<u32>), usize> {
     let mut offsets = Vec::with_capacity(tree.nodes.len());
     let mut bytes = 0;
@@ -34,7 +38,8 @@ pub(super) fn pack(
         }
     }
     let mut arena = Arena::new(if bytes == 0 { 0 } else { bytes + MARGIN });
-    let packing = Packing { tree, triangles, numbers, offsets: &offsets };
+    let level = Detected::or_best(None);
+    let packing = Packing { tree, triangles, numbers, offsets: &offsets, level };
     packing.write(0, tree.nodes.len(), &mut arena.words_mut()[..bytes / 4]);
     Ok((arena, offsets))
 }
@@ -51,9 +56,34 @@ const fn leaf_bytes(count: usize) -> usize {
 struct Packing<'a> {
     tree: &'a Tree,
     triangles: &'a [FlatTriangle],
-    numbers: &'a [u32],
+    numbers: Option<&'a [u32]>,
     /// Where each block begins, in units.
     offsets: &'a [u32],
+    level: Detected,
+}
+
+/// Some blocks and their words.
+struct Part<'a> {
+    packing: &'a Packing<'a>,
+    from: usize,
+    to: usize,
+    words: &'a mut [u32],
+}
+
+impl Task for Part<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Level>(self, _: L) {
+        let Self { packing, from, to, words: mut rest } = self;
+        for index in from..to {
+            let end = if index + 1 < packing.offsets.len() { packing.word_of(index + 1) } else { usize::MAX };
+            let length = (end - packing.word_of(index)).min(rest.len());
+            let (block, behind) = rest.split_at_mut(length);
+            packing.write_block(index, block);
+            rest = behind;
+        }
+    }
 }
 
 impl Packing<'_> {
@@ -65,42 +95,27 @@ impl Packing<'_> {
             join(|| self.write(from, middle, low), || self.write(middle, to, high));
             return;
         }
-        let mut rest = words;
-        for index in from..to {
-            let end = if index + 1 < self.offsets.len() { self.word_of(index + 1) } else { usize::MAX };
-            let length = (end - self.word_of(index)).min(rest.len());
-            let (block, behind) = rest.split_at_mut(length);
-            self.write_block(index, block);
-            rest = behind;
-        }
+        dispatch(self.level, Part { packing: self, from, to, words });
     }
 
+    #[inline(always)]
     fn word_of(&self, index: usize) -> usize {
         self.offsets[index] as usize * UNIT / 4
     }
 
+    #[inline(always)]
     fn write_block(&self, index: usize, block: &mut [u32]) {
-        let node = in_order_of_places(&self.tree.nodes[index]);
-        let order = push_order(&node.bounds, node.len());
+        let (node, filled) = places::in_order(&self.tree.nodes[index]);
+        let order = push_order(&node.bounds, filled);
         let mut packed = PackedNode { bounds: node.bounds, children: [0; WIDTH], order };
         let (head, mut leaves) = block.split_at_mut(size_of::<PackedNode>() / 4);
         let mut place = self.offsets[index] as usize + size_of::<PackedNode>() / UNIT;
-        for (word, child) in packed.children.iter_mut().zip(node.children) {
-            if child.is_nothing() {
-                break;
-            }
+        for (word, child) in packed.children.iter_mut().zip(node.children).take(filled) {
             if child.is_leaf() {
                 let count = child.count as usize;
-                let mut members = [([[0.0; 3]; 3], 0); WIDTH];
-                for (member, &triangle) in
-                    members.iter_mut().zip(&self.tree.order[child.link as usize..][..count])
-                {
-                    let flat = &self.triangles[triangle as usize];
-                    *member = ([flat.v0, flat.v1, flat.v2], self.numbers[triangle as usize]);
-                }
                 *word = Word::leaf(place as u32, child.count).0;
                 let (leaf, behind) = leaves.split_at_mut(leaf_bytes(count) / 4);
-                leaf::write(leaf, &members[..count]);
+                self.write_leaf(child.link as usize, count, leaf);
                 leaves = behind;
                 place += leaf_bytes(count) / UNIT;
             } else {
@@ -109,19 +124,44 @@ impl Packing<'_> {
         }
         head.copy_from_slice(bytemuck::cast_slice(std::slice::from_ref(&packed)));
     }
-}
 
-/// The same node with its places put in order.
-pub(super) fn in_order_of_places(node: &TreeNode) -> TreeNode {
-    let filled = node.len();
-    let mut places: [usize; WIDTH] = std::array::from_fn(|place| place);
-    let areas: [f32; WIDTH] = std::array::from_fn(|place| {
-        if place < filled { node.child_bounds(place).half_area() } else { f32::INFINITY }
-    });
-    let kind = |place: usize| (place >= filled, node.children[place].is_leaf());
-    places.sort_by(|&a, &b| kind(a).cmp(&kind(b)).then(areas[a].total_cmp(&areas[b])).then(a.cmp(&b)));
-    TreeNode {
-        bounds: node.bounds.map(|row| places.map(|place| row[place])),
-        children: places.map(|place| if place < filled { node.children[place] } else { Child::NOTHING }),
+    /// Writes the leaf of some references.
+    #[inline(always)]
+    fn write_leaf(&self, first: usize, count: usize, leaf: &mut [u32]) {
+        match count {
+            1 => self.write_leaf_of::<1>(first, leaf),
+            2 => self.write_leaf_of::<2>(first, leaf),
+            3 => self.write_leaf_of::<3>(first, leaf),
+            4 => self.write_leaf_of::<4>(first, leaf),
+            5 => self.write_leaf_of::<5>(first, leaf),
+            6 => self.write_leaf_of::<6>(first, leaf),
+            7 => self.write_leaf_of::<7>(first, leaf),
+            _ => self.write_leaf_of::<8>(first, leaf),
+        }
+    }
+
+    #[inline(always)]
+    fn write_leaf_of<const COUNT: usize>(&self, first: usize, leaf: &mut [u32]) {
+        let order = &self.tree.order;
+        for &triangle in order.iter().skip(first + AHEAD).take(COUNT) {
+            let triangle = std::ptr::from_ref(&self.triangles[triangle as usize]);
+            // Every other one goes on in the next line.
+            prefetch(triangle);
+            prefetch(triangle.cast::<u32>().wrapping_add(size_of::<FlatTriangle>() / 4 - 1));
+        }
+        let Some(members) = order[first..].first_chunk::<COUNT>() else { return };
+        // Loops and not closures, which the compiler does not always put into the code for a level of vector instructions.
+        let mut triangles = [&self.triangles[members[0] as usize]; COUNT];
+        for (triangle, &member) in triangles.iter_mut().zip(members) {
+            *triangle = &self.triangles[member as usize];
+        }
+        let mut numbers = [0; COUNT];
+        for (place, number) in numbers.iter_mut().enumerate() {
+            *number = match self.numbers {
+                Some(numbers) => numbers[members[place] as usize],
+                None => triangles[place].primitive,
+            };
+        }
+        leaf::write(leaf, triangles, numbers);
     }
 }

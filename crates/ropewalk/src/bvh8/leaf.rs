@@ -8,6 +8,7 @@ mod indexed;
 
 use super::simd::Level;
 use super::tree::{LARGEST_LEAF, WIDTH};
+use crate::FlatTriangle;
 pub(super) use indexed::IndexedLeaf;
 
 /// A leaf as walks read it, wherever its vertices are.
@@ -119,13 +120,22 @@ impl Triangles for Leaf<'_> {
     }
 }
 
-/// Writes a leaf.
-pub(super) fn write(words: &mut [u32], triangles: &[([[f32; 3]; 3], u32)]) {
-    let count = triangles.len();
-    for (place, (vertices, name)) in triangles.iter().enumerate() {
-        for (row, number) in vertices.as_flattened().iter().enumerate() {
-            words[row * count + place] = number.to_bits();
+/// Writes a leaf of triangles and their numbers.
+#[inline(always)]
+pub(super) fn write<const COUNT: usize>(
+    words: &mut [u32],
+    triangles: [&FlatTriangle; COUNT],
+    numbers: [u32; COUNT],
+) {
+    // Rows of a length that the compiler knows: none of the stores below is checked.
+    let (rows, _) = words.as_chunks_mut::<COUNT>();
+    let Some(rows) = rows.first_chunk_mut::<{ ROWS + 1 }>() else { return };
+    for (place, triangle) in triangles.iter().enumerate() {
+        for axis in 0..3 {
+            rows[axis][place] = triangle.v0[axis].to_bits();
+            rows[3 + axis][place] = triangle.v1[axis].to_bits();
+            rows[6 + axis][place] = triangle.v2[axis].to_bits();
         }
-        words[ROWS * count + place] = *name;
     }
+    rows[ROWS] = numbers;
 }

@@ -23,9 +23,11 @@ mod layout;
 #[expect(unsafe_code, reason = "rows are read by the numbers of the leaf's own triangles")]
 mod leaf;
 mod names;
+mod network;
 mod node;
 mod options;
 mod order;
+mod places;
 mod refit;
 mod report;
 #[expect(unsafe_code, reason = "vector instructions, behind a token that proves that they are there")]
@@ -41,8 +43,9 @@ pub use simd::SimdLevel;
 
 use crate::bvh::Bvh;
 use crate::clock::Clock;
+use crate::flatten::NumberedScene;
 use crate::wide_bvh::{Collapse, WideBvh, Width};
-use crate::{Aabb, BuildError, BuildReport, FlatScene, FlatTriangle, Monitor, NoMonitor, Scene};
+use crate::{Aabb, BuildError, BuildReport, FlatTriangle, Monitor, NoMonitor, Scene};
 use arena::Arena;
 use build::binned::{BinnedOptions, build_binned};
 use build::morton::{MortonOptions, build_morton};
@@ -54,6 +57,10 @@ use tree::Tree;
 
 /// Where every walk begins.
 const ROOT: Word = Word::node(0);
+
+const fn too_many(what: &'static str, count: usize, limit: usize) -> BuildError {
+    BuildError::TooMany { what, count, limit }
+}
 
 /// A packed bounding volume hierarchy over the triangles of a scene.
 #[derive(Clone, Debug)]
@@ -89,7 +96,10 @@ impl Bvh8 {
     /// # Errors
     /// When the tree is too deep or too large to be packed.
     pub fn from_wide(wide: &WideBvh, level: Option<SimdLevel>) -> Result<Self, BuildError> {
-        Self::pack(&convert::tree_of(wide), wide.triangles(), wide.report(), level)
+        let (names, numbers) = Names::of(wide.triangles())
+            .ok_or_else(|| too_many("numbers of triangles", u32::MAX as usize + 1, u32::MAX as usize))?;
+        let names = (names, Some(numbers.as_slice()));
+        Self::pack(&convert::tree_of(wide), wide.triangles(), names, wide.report(), level)
     }
 
     /// Collapses and packs a binary tree; `None` for the best vector instructions that the machine has.
@@ -100,21 +110,20 @@ impl Bvh8 {
         Self::from_wide(&WideBvh::from_bvh(bvh, Width::Eight, Collapse::Sah), level)
     }
 
-    /// Takes the input, the times and the number of different triangles from `known`.
+    /// Takes the input, the times and the number of different triangles from `known`. Triangles whose numbers are not given have them
+    /// in place of those of their primitives.
     fn pack(
         tree: &Tree,
         triangles: &[FlatTriangle],
+        (names, numbers): (Names, Option<&[u32]>),
         known: &BuildReport,
         level: Option<SimdLevel>,
     ) -> Result<Self, BuildError> {
-        let too_many = |what, count, limit| BuildError::TooMany { what, count, limit };
         let (report, bounds) = report::measure(tree, *known);
         if report.depth > tree::MAX_LEVELS {
             return Err(too_many("levels", report.depth as usize, tree::MAX_LEVELS as usize));
         }
-        let (names, numbers) = Names::of(triangles)
-            .ok_or_else(|| too_many("numbers of triangles", u32::MAX as usize + 1, u32::MAX as usize))?;
-        let (arena, blocks) = layout::pack(tree, triangles, &numbers)
+        let (arena, blocks) = layout::pack(tree, triangles, numbers)
             .map_err(|bytes| too_many("bytes of a packed tree", bytes, node::LARGEST_ARENA))?;
         let bytes = arena.len() + size_of_val(blocks.as_slice()) + names.bytes();
         let report = BuildReport { bytes, ..report };
@@ -177,7 +186,7 @@ impl Scene {
         monitor: &dyn Monitor,
     ) -> Result<Bvh8, BuildError> {
         let clock = Clock::start();
-        let FlatScene { triangles, report: input } = self.flatten()?;
+        let NumberedScene { triangles, left_out, report: input } = self.flatten_numbered()?;
         let flatten_time = clock.elapsed();
         let clock = Clock::start();
         let tree = match options.preset {
@@ -188,8 +197,9 @@ impl Scene {
             Preset::Compact => build_binned(&triangles, &BinnedOptions::COMPACT, monitor)?,
         };
         let known = BuildReport { input, flatten_time, triangles: triangles.len(), ..BuildReport::default() };
+        let names = (Names::of_scene(self, left_out), None);
         let pack = if options.preset == Preset::Compact { Bvh8::pack_compact } else { Bvh8::pack };
-        let mut bvh = pack(&tree, &triangles, &known, options.level)?;
+        let mut bvh = pack(&tree, &triangles, names, &known, options.level)?;
         bvh.report.build_time = clock.elapsed();
         Ok(bvh)
     }

@@ -3,6 +3,9 @@
 //! A leaf keeps one word of a triangle instead of the three of [`FlatTriangle`]. The numbers of a geometry of an instance are those of its
 //! primitives behind a base; bases grow with (instance, geometry), so the smaller number is the smaller id. A table with
 //! an entry for each (instance, geometry) leads back, by bisection, once for each hit that is reported.
+//!
+//! A tree that is built over a scene numbers all of its triangles as they come, those that were left out, too. So the table follows
+//! from the scene alone; that of triangles from anywhere else is found by looking at all of them.
 
 use crate::{FlatTriangle, Scene};
 
@@ -80,6 +83,27 @@ fn common_mask(runs: &[Run]) -> Option<u32> {
 }
 
 impl Names {
+    /// Of the triangles of all instances of a scene, which are numbered as they come; `holes` are the numbers, ascending, of those
+    /// that were left out ([`Scene::flatten_numbered`]).
+    pub(super) fn of_scene(scene: &Scene, holes: Vec<u32>) -> Self {
+        let (mut runs, mut end) = (Vec::new(), 0);
+        for (index, instance) in scene.instances.iter().enumerate() {
+            let mirror = if instance.transform.mirrors() { FlatTriangle::MIRROR } else { 0 };
+            let instance_and_mask = index as u32 | instance.mask << 24;
+            for (geometry, mesh) in scene.objects[instance.object as usize].geometries.iter().enumerate() {
+                if !mesh.triangles.is_empty() {
+                    runs.push(Run {
+                        base: end,
+                        geometry_and_mirror: geometry as u32 | mirror,
+                        instance_and_mask,
+                    });
+                    end += mesh.triangles.len() as u32;
+                }
+            }
+        }
+        Self { common_mask: common_mask(&runs), runs, end, holes }
+    }
+
     /// Of triangles in any order, none of them twice or all of them the same; and the number of each. `None` where there are more numbers than a
     /// word has.
     pub(super) fn of(triangles: &[FlatTriangle]) -> Option<(Self, Vec<u32>)> {
@@ -123,15 +147,29 @@ impl Names {
         self.common_mask = common_mask(&self.runs);
     }
 
-    /// The parts of the scene that have triangles, in the order of their numbers.
+    /// The parts of the scene that have triangles, in the order of their numbers. They end behind their last triangles.
     pub(super) fn parts(&self) -> impl Iterator<Item = Part> + '_ {
         let ends = self.runs.iter().skip(1).map(|run| run.base).chain([self.end]);
-        self.runs.iter().zip(ends).map(|(run, end)| Part {
-            instance: run.instance_and_mask & 0x00ff_ffff,
-            geometry: run.geometry_and_mirror & !FlatTriangle::MIRROR,
-            base: run.base,
-            end,
+        self.runs.iter().zip(ends).filter_map(|(run, end)| {
+            let last = self.triangles_end(run.base, end);
+            (run.base < last).then_some(Part {
+                instance: run.instance_and_mask & 0x00ff_ffff,
+                geometry: run.geometry_and_mirror & !FlatTriangle::MIRROR,
+                base: run.base,
+                end: last,
+            })
         })
+    }
+
+    /// Behind the last number between two that is a triangle's.
+    fn triangles_end(&self, base: u32, mut end: u32) -> u32 {
+        for &hole in self.holes[..self.holes.partition_point(|&hole| hole < end)].iter().rev() {
+            if end == base || hole + 1 != end {
+                break;
+            }
+            end = hole;
+        }
+        end
     }
 
     /// The name behind a number.

@@ -3,10 +3,17 @@
 //! By the middles of the boxes along the diagonal of the octant (Dietrich, Günther, Slusallek 2007); see [`super::node`] for how
 //! the order lies in a node. The order decides how soon a walk finds what it looks for, never what it finds.
 //!
-//! A place's turn is the number of places that lie farther, counted by comparing all with all, eight lanes at a time and without a
-//! branch; the opposite octant has the same order backwards.
+//! Four octants are sorted at once, one a lane, by a network without a branch ([`super::network`]); the opposite octant has the
+//! same order backwards.
 
+use super::network::sorted;
 use super::tree::WIDTH;
+
+/// Octants that do not run backwards along z. Each of the others is the opposite of one of them.
+const LANES: usize = 4;
+/// The bits of a place, which are the lowest of its key: so no two keys are the same, and ties go by place. The middles
+/// that differ in these bits alone are a millionth apart.
+const PLACE: i32 = WIDTH as i32 - 1;
 
 /// The places of a node in the order in which rays of each octant push them, packed. The boxes of the first `filled` places count:
 /// those that hold nothing are never hit, and come first or last.
@@ -18,52 +25,52 @@ pub(super) fn push_order(bounds: &[[f32; WIDTH]; 6], filled: usize) -> [u32; WID
             middles[axis][place] = bounds[axis][place] + bounds[axis + 3][place];
         }
     }
+    let mut keys = [[0; LANES]; WIDTH];
+    for (place, key) in keys.iter_mut().enumerate() {
+        *key = keys_of(&middles, place, filled);
+    }
+    let nearest_first = sorted(keys, exchange);
+    // From octant beside octant to place beside place.
+    let mut places = [[0; WIDTH]; LANES];
+    for (turn, keys) in nearest_first.iter().enumerate() {
+        for (octant, key) in keys.iter().enumerate() {
+            places[octant][turn] = (PLACE - (key & PLACE)) as u32;
+        }
+    }
     let mut order = [0; WIDTH];
-    for octant in 0..4 {
-        let places = farthest_first(&keys(&middles, octant, filled));
-        add(&mut order, places, octant);
-        add(&mut order, places.swap_bytes(), 7 - octant);
+    for (octant, places) in places.iter().enumerate() {
+        for (turn, word) in order.iter_mut().enumerate() {
+            *word |= places[WIDTH - 1 - turn] << (3 * octant) | places[turn] << (3 * (7 - octant));
+        }
     }
     order
 }
 
-/// How far each box lies along the diagonal of an octant that does not run backwards along z.
+/// How far a box lies along the diagonals of the octants, as numbers that are ordered so.
 #[inline(always)]
-fn keys(middles: &[[f32; WIDTH]; 3], octant: u32, filled: usize) -> [f32; WIDTH] {
-    let sign = |axis: u32| if octant >> axis & 1 == 0 { 1.0 } else { -1.0 };
-    let (sign_x, sign_y) = (sign(0), sign(1));
-    let mut keys = [0.0; WIDTH];
-    for place in 0..WIDTH {
-        let key = middles[0][place] * sign_x + middles[1][place] * sign_y + middles[2][place];
-        // The middle of a box that holds nothing is no number, which no comparison could place.
-        keys[place] = if place < filled { key } else { f32::INFINITY };
+fn keys_of(middles: &[[f32; WIDTH]; 3], place: usize, filled: usize) -> [i32; LANES] {
+    let [x, y, z] = [middles[0][place], middles[1][place], middles[2][place]];
+    let along = [x + y + z, -x + y + z, x - y + z, -x - y + z];
+    let mut keys = [0; LANES];
+    for octant in 0..LANES {
+        let bits = along[octant].to_bits() as i32;
+        // The order of the bits as a number is that of the values once those of negative ones are turned round.
+        let ordered = bits ^ ((bits >> 31) & i32::MAX);
+        // The middle of a box that holds nothing is no number.
+        let ordered = if place < filled { ordered } else { i32::MAX };
+        keys[octant] = (ordered & !PLACE) | (PLACE - place as i32);
     }
     keys
 }
 
-/// The places by falling keys, ties by place, a byte each, the first one lowest.
 #[inline(always)]
-fn farthest_first(keys: &[f32; WIDTH]) -> u64 {
-    let mut turns = [0u32; WIDTH];
-    for other in 0..WIDTH {
-        for place in 0..WIDTH {
-            let is_farther = keys[other] > keys[place];
-            let is_before = keys[other] == keys[place] && other < place;
-            turns[place] += u32::from(is_farther | is_before);
-        }
+fn exchange(a: [i32; LANES], b: [i32; LANES]) -> [[i32; LANES]; 2] {
+    let [mut low, mut high] = [a, b];
+    for lane in 0..LANES {
+        low[lane] = if b[lane] < a[lane] { b[lane] } else { a[lane] };
+        high[lane] = if b[lane] < a[lane] { a[lane] } else { b[lane] };
     }
-    let mut places = 0;
-    for (place, turn) in turns.into_iter().enumerate() {
-        places |= (place as u64) << (8 * turn);
-    }
-    places
-}
-
-#[inline(always)]
-fn add(order: &mut [u32; WIDTH], places: u64, octant: u32) {
-    for (word, place) in order.iter_mut().zip(places.to_le_bytes()) {
-        *word |= u32::from(place) << (3 * octant);
-    }
+    [low, high]
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ mod vertices;
 use super::names::Names;
 use super::simd::Detected;
 use super::tree::{self, Tree};
-use super::{Bvh8, SimdLevel, report};
+use super::{Bvh8, SimdLevel, report, too_many};
 use crate::{BuildError, BuildReport, FlatTriangle};
 pub(super) use node::CompactNode;
 use pack::Packed;
@@ -37,17 +37,15 @@ impl Bvh8 {
     pub(super) fn pack_compact(
         tree: &Tree,
         triangles: &[FlatTriangle],
+        (names, numbers): (Names, Option<&[u32]>),
         known: &BuildReport,
         level: Option<SimdLevel>,
     ) -> Result<Self, BuildError> {
-        let too_many = |what, count, limit| BuildError::TooMany { what, count, limit };
         let (report, bounds) = report::measure(tree, *known);
         if report.depth > tree::MAX_LEVELS {
             return Err(too_many("levels", report.depth as usize, tree::MAX_LEVELS as usize));
         }
-        let (names, numbers) = Names::of(triangles)
-            .ok_or_else(|| too_many("numbers of triangles", u32::MAX as usize + 1, u32::MAX as usize))?;
-        let Packed { arena, form } = pack::pack(tree, triangles, &numbers)?;
+        let Packed { arena, form } = pack::pack(tree, triangles, numbers)?;
         let report = BuildReport { bytes: arena.len() + names.bytes(), ..report };
         Ok(Self { arena, blocks: Vec::new(), names, form, level: Detected::or_best(level), bounds, report })
     }

@@ -10,10 +10,10 @@ use super::node::CompactNode;
 use super::vertices::Vertices;
 use crate::bvh8::Form;
 use crate::bvh8::arena::{Arena, LINE};
-use crate::bvh8::layout::in_order_of_places;
 use crate::bvh8::leaf::IndexedLeaf;
 use crate::bvh8::node::{Fan, LARGEST_ARENA, UNIT, Word};
 use crate::bvh8::order::push_order;
+use crate::bvh8::places;
 use crate::bvh8::tree::{Tree, TreeNode, WIDTH};
 use crate::memory::with_capacity;
 use crate::parallel::join;
@@ -38,7 +38,11 @@ pub(super) struct Packed {
 ///
 /// # Errors
 /// When blocks or vertices are more than words can count.
-pub(super) fn pack(tree: &Tree, triangles: &[FlatTriangle], numbers: &[u32]) -> Result<Packed, BuildError> {
+pub(super) fn pack(
+    tree: &Tree,
+    triangles: &[FlatTriangle],
+    numbers: Option<&[u32]>,
+) -> Result<Packed, BuildError> {
     let too_many = |what, count, limit| BuildError::TooMany { what, count, limit };
     let mut offsets = with_capacity(tree.nodes.len());
     let mut blocks = 0;
@@ -68,7 +72,8 @@ pub(super) fn pack(tree: &Tree, triangles: &[FlatTriangle], numbers: &[u32]) -> 
     let mut arena = Arena::new(if blocks == 0 { 0 } else { 4 * words });
     let (nodes, behind) = arena.words_mut().split_at_mut(blocks);
     behind[..places.len()].copy_from_slice(places);
-    let packing = Packing { tree, numbers, corners: &corners, offsets: &offsets, vertices: blocks as u32 };
+    let packing =
+        Packing { tree, triangles, numbers, corners: &corners, offsets: &offsets, vertices: blocks as u32 };
     packing.write(0, tree.nodes.len(), nodes);
     Ok(Packed { arena, form: Form::Compact { vertices: blocks, count: vertices.places().len() } })
 }
@@ -83,7 +88,9 @@ fn block_words(node: &TreeNode) -> usize {
 
 struct Packing<'a> {
     tree: &'a Tree,
-    numbers: &'a [u32],
+    triangles: &'a [FlatTriangle],
+    /// Where triangles do not have theirs in place of those of their primitives.
+    numbers: Option<&'a [u32]>,
     /// The vertices of each reference.
     corners: &'a [[u32; 3]],
     /// Where each block begins, in units.
@@ -114,8 +121,7 @@ impl Packing<'_> {
     }
 
     fn write_block(&self, index: usize, block: &mut [u32]) {
-        let node = in_order_of_places(&self.tree.nodes[index]);
-        let filled = node.len();
+        let (node, filled) = places::in_order(&self.tree.nodes[index]);
         let mut fan = Fan { children: [0; WIDTH], order: push_order(&node.bounds, filled) };
         let (head, mut leaves) = block.split_at_mut(NODE);
         let mut place = self.word_of(index) + NODE;
@@ -128,7 +134,10 @@ impl Packing<'_> {
             let (leaf, behind) = leaves.split_at_mut(TRIANGLE * child.count as usize);
             for (at, entry) in (child.link as usize..).zip(leaf.chunks_exact_mut(TRIANGLE)) {
                 let [a, b, c] = self.corners[at].map(|vertex| self.vertices + VERTEX as u32 * vertex);
-                entry.copy_from_slice(&[a, b, c, self.numbers[self.tree.order[at] as usize]]);
+                let triangle = self.tree.order[at] as usize;
+                let number =
+                    self.numbers.map_or(self.triangles[triangle].primitive, |numbers| numbers[triangle]);
+                entry.copy_from_slice(&[a, b, c, number]);
             }
             place += leaf.len();
             leaves = behind;
