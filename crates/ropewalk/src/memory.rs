@@ -17,6 +17,14 @@ pub(crate) fn with_capacity<T>(capacity: usize) -> Vec<T> {
     room
 }
 
+/// So many words of zeros, in large pages where there are many and the system has them.
+pub(crate) fn zeros(count: usize) -> Vec<u64> {
+    // From the system's own zeros, so that nothing is touched before the advice.
+    let mut zeros = vec![0; count];
+    advise(&mut zeros);
+    zeros
+}
+
 #[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64"), not(miri)))]
 fn advise<T>(vector: &mut Vec<T>) {
     use std::ffi::{c_int, c_void};

@@ -5,7 +5,8 @@
 
 use crate::FlatTriangle;
 use crate::bvh::build::reference::Extent;
-use crate::parallel::{fill_chunks, map_chunks};
+use crate::memory::with_capacity;
+use crate::parallel::{extend, map_chunks};
 use glam::Vec4;
 
 /// Bits of the index, enough for every triangle that a scene may have.
@@ -50,15 +51,13 @@ pub(super) fn keys(triangles: &[FlatTriangle]) -> Vec<u64> {
     let scale = 2048.0 / size;
     // No extent at all, or so little that the division overflows: one cell.
     let scale = Vec4::splat(if scale.is_finite() { scale } else { 0.0 });
-    let mut keys = vec![0; triangles.len()];
-    fill_chunks(&mut keys, CHUNK, |first, part| {
-        for (offset, (key, triangle)) in part.iter_mut().zip(&triangles[first..]).enumerate() {
-            let position = (doubled_center(triangle) - centers.low) * scale;
-            let position = position.min(Vec4::splat(2047.25)) - 0.5;
-            let cell = (position.max(Vec4::ZERO) + ROUND_TO_BITS).to_array();
-            let [x, y, z, _] = cell.map(|lane| spread(lane.to_bits() & 2047));
-            *key = (x | y << 1 | z << 2) << INDEX_BITS | (first + offset) as u64;
-        }
+    let mut keys = with_capacity(triangles.len());
+    extend(&mut keys, triangles, |index, triangle| {
+        let position = (doubled_center(triangle) - centers.low) * scale;
+        let position = position.min(Vec4::splat(2047.25)) - 0.5;
+        let cell = (position.max(Vec4::ZERO) + ROUND_TO_BITS).to_array();
+        let [x, y, z, _] = cell.map(|lane| spread(lane.to_bits() & 2047));
+        (x | y << 1 | z << 2) << INDEX_BITS | index as u64
     });
     keys
 }

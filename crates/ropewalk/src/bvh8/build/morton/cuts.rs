@@ -4,11 +4,11 @@
 //! ```text
 //! least(j, k) = min over the length l of the last leaf of least(j - l, k - 1) + area(j - l .. j)
 //! ```
-//! which is eight lanes at a time, and at most `max_leaf` areas a triangle: some 15 ns. So how full leaves are, and where
+//! One `k` after the other, for eight `j` at a time: none of these waits for another one. So how full leaves are, and where
 //! they begin, is not left to the curve.
 
 use crate::bvh::build::reference::Extent;
-use crate::bvh8::tree::WIDTH;
+use crate::bvh8::tree::{LARGEST_LEAF, WIDTH};
 use std::ops::Range;
 
 /// The most triangles of a treelet: with full leaves of 4 they fit one wide node, and a mask has a bit for each.
@@ -29,7 +29,7 @@ pub(super) struct Cuts {
 pub(super) type Corners = [[f32; 3]; 2];
 
 /// The leaves that begin where a mask says, of so many triangles.
-#[inline]
+#[inline(always)]
 pub(super) fn leaves(mut begins: u32, count: usize) -> impl Iterator<Item = Range<usize>> {
     std::iter::from_fn(move || {
         let first = (begins != 0).then(|| begins.trailing_zeros() as usize)?;
@@ -38,7 +38,7 @@ pub(super) fn leaves(mut begins: u32, count: usize) -> impl Iterator<Item = Rang
     })
 }
 
-#[inline]
+#[inline(always)]
 pub(super) fn union(boxes: impl Iterator<Item = Extent>) -> Extent {
     boxes.fold(Extent::EMPTY, Extent::union)
 }
@@ -47,51 +47,65 @@ pub(super) fn union(boxes: impl Iterator<Item = Extent>) -> Extent {
 pub(super) struct Cutter {
     max_leaf: usize,
     /// The boxes of the triangles.
-    pub(super) boxes: [Extent; MOST],
-    /// The least sums of the first 0, 1, .. triangles in 1 to 8 leaves, from lane 8 on. Lane 7 is for no leaf at all: 0 of
-    /// no triangles, else infinite. What stands in the rows from the treelet before is written before it is read.
-    sums: [[f32; 2 * WIDTH]; MOST + 1],
+    boxes: [Extent; MOST],
+    /// Smallest x, y, z, largest x, y, z of the same, behind a margin for vectors that begin before the first.
+    rows: [[f32; WIDTH + MOST]; 6],
+    /// Of each length the areas of the leaves that end with each triangle.
+    areas: [[f32; MOST]; LARGEST_LEAF as usize],
+    /// In 0 to 8 leaves the least sums of the first 0, 1, .. triangles, behind a margin: what would be cut of fewer than no triangles
+    /// is infinite. So are no triangles in any leaf, and some in none.
+    sums: [[f32; MARGIN + MOST + 1]; WIDTH + 1],
     /// The lengths of the last leaves.
-    lengths: [[u32; WIDTH]; MOST + 1],
+    lengths: [[u32; MARGIN + MOST + 1]; WIDTH + 1],
 }
+
+/// So many sums lie before that of no triangles: then those of eight numbers of triangles begin on a boundary.
+const MARGIN: usize = WIDTH - 1;
 
 impl Cutter {
     pub(super) fn new(max_leaf: u32) -> Self {
-        let mut sums = [[f32::INFINITY; 2 * WIDTH]; MOST + 1];
-        sums[0][WIDTH - 1] = 0.0;
-        let lengths = [[1; WIDTH]; MOST + 1];
-        Self { max_leaf: max_leaf as usize, boxes: [Extent::EMPTY; MOST], sums, lengths }
+        let mut sums = [[f32::INFINITY; MARGIN + MOST + 1]; WIDTH + 1];
+        sums[0][MARGIN] = 0.0;
+        Self {
+            max_leaf: (max_leaf as usize).min(LARGEST_LEAF as usize),
+            boxes: [Extent::EMPTY; MOST],
+            rows: [[0.0; WIDTH + MOST]; 6],
+            areas: [[0.0; MOST]; LARGEST_LEAF as usize],
+            sums,
+            lengths: [[1; MARGIN + MOST + 1]; WIDTH + 1],
+        }
+    }
+
+    /// The box of a triangle, 0 to [`MOST`] less one.
+    #[inline(always)]
+    pub(super) fn set(&mut self, place: usize, bounds: Extent) {
+        let place = place % MOST;
+        self.boxes[place] = bounds;
+        let ([low_x, low_y, low_z, _], [high_x, high_y, high_z, _]) =
+            (bounds.low.to_array(), bounds.high.to_array());
+        let corners = [low_x, low_y, low_z, high_x, high_y, high_z];
+        for (row, corner) in self.rows.iter_mut().zip(corners) {
+            row[WIDTH + place] = corner;
+        }
     }
 
     /// The best cuts of the first `count` boxes, 1 to [`MOST`].
-    #[inline]
+    #[inline(always)]
     pub(super) fn cuts(&mut self, count: usize) -> Cuts {
-        for end in 1..=count {
-            let mut sums = [f32::INFINITY; WIDTH];
-            let mut lengths = [1; WIDTH];
-            let mut bounds = Extent::EMPTY;
-            for (length, first) in (1..=self.max_leaf).zip((0..end).rev()) {
-                bounds = bounds.union(self.boxes[first]);
-                let area = bounds.half_area();
-                let before = &self.sums[first][WIDTH - 1..2 * WIDTH - 1];
-                for ((sum, chosen), before) in sums.iter_mut().zip(&mut lengths).zip(before) {
-                    let through = before + area;
-                    let better = through < *sum;
-                    *sum = if better { through } else { *sum };
-                    *chosen = if better { length as u32 } else { *chosen };
-                }
-            }
-            self.sums[end][WIDTH..].copy_from_slice(&sums);
-            self.lengths[end] = lengths;
+        let count = count.min(MOST);
+        self.measure(count);
+        for leaves in 1..=WIDTH {
+            self.add_leaf(leaves, count);
         }
         let mut cuts =
             Cuts { least: [f32::INFINITY; WIDTH], begins: [0; WIDTH], boxes: [[[0.0; 3]; 2]; WIDTH] };
         let (mut least, mut begins) = (f32::INFINITY, 0);
-        for (more, &sum) in self.sums[count][WIDTH..].iter().enumerate() {
+        for leaves in 1..=WIDTH {
+            let sum = self.sums[leaves][MARGIN + count];
             if sum < least {
-                (least, begins) = (sum, self.begins(count, more));
+                (least, begins) = (sum, self.begins(count, leaves));
             }
-            (cuts.least[more], cuts.begins[more]) = (least, begins);
+            (cuts.least[leaves - 1], cuts.begins[leaves - 1]) = (least, begins);
         }
         for (corners, leaf) in cuts.boxes.iter_mut().zip(leaves(begins, count)) {
             let bounds = union(self.boxes[leaf].iter().copied()).bounds();
@@ -100,12 +114,60 @@ impl Cutter {
         cuts
     }
 
-    /// Finds the choices again: who begins a leaf in the best cut of the first `end` into `more` leaves and one.
-    #[inline]
-    fn begins(&self, mut end: usize, more: usize) -> u32 {
+    /// Finds the areas of all leaves that the first `count` triangles may make, eight at a time.
+    #[inline(always)]
+    fn measure(&mut self, count: usize) {
+        for first in (0..count.min(MOST)).step_by(WIDTH) {
+            let mut corners = [[f32::INFINITY; WIDTH]; 6];
+            corners[3..].fill([f32::NEG_INFINITY; WIDTH]);
+            for (before, areas) in self.areas.iter_mut().enumerate().take(self.max_leaf) {
+                // Of leaves that would begin before the first triangle there comes anything, and nobody asks for it.
+                let from = WIDTH + first - before;
+                for (row, corners) in corners.iter_mut().enumerate() {
+                    let more = &self.rows[row][from..from + WIDTH];
+                    for (corner, &more) in corners.iter_mut().zip(more) {
+                        let is_beyond = if row < 3 { more < *corner } else { more > *corner };
+                        *corner = if is_beyond { more } else { *corner };
+                    }
+                }
+                for (lane, area) in areas[first..first + WIDTH].iter_mut().enumerate() {
+                    let [x, y, z] = [0, 1, 2].map(|axis| corners[3 + axis][lane] - corners[axis][lane]);
+                    *area = x * y + y * z + z * x;
+                }
+            }
+        }
+    }
+
+    /// Finds the least sums of up to `count` triangles in so many leaves from those in one fewer.
+    #[inline(always)]
+    fn add_leaf(&mut self, leaves: usize, count: usize) {
+        let (before, after) = self.sums.split_at_mut(leaves);
+        let (Some(before), Some(after)) = (before.last(), after.first_mut()) else { return };
+        for first in (0..count).step_by(WIDTH) {
+            let mut sums = [f32::INFINITY; WIDTH];
+            let mut lengths = [1; WIDTH];
+            for (one_less, areas) in self.areas.iter().enumerate().take(self.max_leaf) {
+                let from = MARGIN + first - one_less;
+                let (before, areas) = (&before[from..from + WIDTH], &areas[first..first + WIDTH]);
+                for lane in 0..WIDTH {
+                    let through = before[lane] + areas[lane];
+                    let better = through < sums[lane];
+                    sums[lane] = if better { through } else { sums[lane] };
+                    lengths[lane] = if better { one_less as u32 + 1 } else { lengths[lane] };
+                }
+            }
+            let to = MARGIN + 1 + first;
+            after[to..to + WIDTH].copy_from_slice(&sums);
+            self.lengths[leaves][to..to + WIDTH].copy_from_slice(&lengths);
+        }
+    }
+
+    /// Finds the choices again: who begins a leaf in the best cut of the first `end` into so many leaves.
+    #[inline(always)]
+    fn begins(&self, mut end: usize, leaves: usize) -> u32 {
         let mut begins = 0;
-        for left in (0..=more).rev() {
-            end = end.saturating_sub(self.lengths[end][left] as usize);
+        for leaves in (1..=leaves).rev() {
+            end = end.saturating_sub(self.lengths[leaves][MARGIN + end] as usize);
             begins |= 1 << end;
         }
         begins
@@ -125,7 +187,7 @@ mod tests {
         let mut cutter = Cutter::new(max_leaf);
         // What was there before must not matter.
         cutter.cuts(MOST);
-        cutter.boxes[..boxes.len()].copy_from_slice(boxes);
+        boxes.iter().enumerate().for_each(|(place, one)| cutter.set(place, *one));
         cutter.cuts(boxes.len())
     }
 

@@ -6,6 +6,7 @@
 //! 8 bytes a word for the second list; on one core some 2 ns a word and pass.
 
 use super::code::{CODE_BITS, INDEX_BITS};
+use crate::memory::zeros;
 use crate::parallel::{fill_chunks, map_chunks};
 use std::slice::IterMut;
 
@@ -26,7 +27,7 @@ pub(super) fn sorted(mut words: Vec<u64>) -> Vec<u64> {
         return words;
     }
     let chunks = (words.len() / CHUNK).clamp(1, MOST_CHUNKS);
-    let mut other = vec![0; words.len()];
+    let mut other = zeros(words.len());
     for pass in 0..CODE_BITS / DIGIT {
         if scatter(&words, &mut other, INDEX_BITS + pass * DIGIT, words.len().div_ceil(chunks)) {
             std::mem::swap(&mut words, &mut other);

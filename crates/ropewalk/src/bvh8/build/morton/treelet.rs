@@ -9,16 +9,22 @@ use super::code::{INDEX_BITS, corners, index};
 use super::cuts::{Cuts, Cutter, MOST, leaves, union};
 use crate::bvh::Node;
 use crate::bvh::build::reference::Extent;
+use crate::bvh8::arena::prefetch;
 use crate::bvh8::build::spatial::collapse::{Bottom, Cut, Part};
 use crate::bvh8::build::spatial::cost::{Cost, ROWS, half_area};
+use crate::bvh8::simd::{Detected, Level, Task, dispatch};
 use crate::bvh8::tree::WIDTH;
-use crate::parallel::join;
+use crate::memory::with_capacity;
+use crate::parallel::map_chunks;
 use crate::progress::Progress;
 use crate::{Aabb, BuildError, FlatTriangle, Monitor};
+use glam::Vec3;
 use std::ops::Range;
 
 /// The treelets of a range with fewer triangles are cut by one thread.
 const SEQUENTIAL: usize = 1 << 13;
+/// So many triangles lie between asking for one and reading it: those of about two treelets.
+const AHEAD: usize = 40;
 
 /// A range of the list.
 #[derive(Clone, Copy, Debug)]
@@ -34,36 +40,23 @@ pub(super) struct Treelets<'a> {
     triangles: &'a [FlatTriangle],
     keys: &'a [u64],
     max_leaf: u32,
-    /// In depth-first order. A leaf is one treelet, which it links.
+    /// In depth-first order. A leaf is one treelet: its link tells which of a part, its count, less one, of which part.
     nodes: Vec<Node>,
-    treelets: Vec<Treelet>,
+    /// The treelets that each thread made at a time.
+    parts: Vec<Vec<Treelet>>,
 }
 
-/// A part of it. Links count from its first node and its first treelet.
+/// The nodes and the treelets of a range. Links count from its first node and its first treelet.
 #[derive(Default)]
 struct Below {
     nodes: Vec<Node>,
     treelets: Vec<Treelet>,
 }
 
-impl Below {
-    /// Two parts under one node.
-    fn joined(low: Self, high: Self) -> Self {
-        let (second, base) = (low.nodes.len() as u32 + 1, low.treelets.len() as u32);
-        let mut nodes = Vec::with_capacity(1 + low.nodes.len() + high.nodes.len());
-        nodes.push(Node::inner(&Aabb::EMPTY, second));
-        nodes.extend(low.nodes.into_iter().map(|node| moved(node, 1, 0)));
-        nodes.extend(high.nodes.into_iter().map(|node| moved(node, second, base)));
-        enclose(&mut nodes, 0);
-        let mut treelets = low.treelets;
-        treelets.extend(high.treelets);
-        Self { nodes, treelets }
-    }
-}
-
-/// A node with its link moved on: by `inner` where it leads to a node, by `leaf` where to a treelet.
-fn moved(node: Node, inner: u32, leaf: u32) -> Node {
-    Node { link: node.link + if node.is_leaf() { leaf } else { inner }, ..node }
+/// The binary tree above the ranges that one thread takes, in depth-first order.
+enum Step {
+    Split,
+    Range(Range<usize>),
 }
 
 /// Gives a node the box around its children.
@@ -79,13 +72,61 @@ impl<'a> Treelets<'a> {
         max_leaf: u32,
         monitor: &dyn Monitor,
     ) -> Result<Self, BuildError> {
-        let most = MOST.min(WIDTH * max_leaf as usize);
-        let mut this = Self { triangles, keys, max_leaf, nodes: Vec::new(), treelets: Vec::new() };
+        let mut this = Self { triangles, keys, max_leaf, nodes: Vec::new(), parts: Vec::new() };
+        if keys.is_empty() {
+            return Ok(this);
+        }
         let progress = Progress::new(monitor, triangles.len());
-        let below = this.below(0..keys.len(), most, &progress);
-        (this.nodes, this.treelets) = (below.nodes, below.treelets);
+        let mut steps = Vec::new();
+        this.divide(0..keys.len(), &mut steps);
+        let level = Detected::or_best(None);
+        let below = map_chunks(&steps, 1, |_, step| match step {
+            [Step::Range(range)] if !progress.is_cancelled() => {
+                let below = dispatch(level, Work { treelets: &this, range: range.clone() });
+                progress.add(range.len());
+                below
+            }
+            _ => Below::default(),
+        });
         progress.finish()?;
+        this.nodes = with_capacity(steps.len() + below.iter().map(|below| below.nodes.len()).sum::<usize>());
+        let mut parts = steps.iter().zip(below);
+        this.append(&mut parts);
         Ok(this)
+    }
+
+    /// Appends the steps of a range and all below it. As deep as the splits are.
+    fn divide(&self, range: Range<usize>, steps: &mut Vec<Step>) {
+        if range.len() <= SEQUENTIAL {
+            return steps.push(Step::Range(range));
+        }
+        let middle = self.middle(&range);
+        steps.push(Step::Split);
+        self.divide(range.start..middle, steps);
+        self.divide(middle..range.end, steps);
+    }
+
+    /// Appends the nodes of the next step and all below it.
+    fn append<'s>(&mut self, parts: &mut impl Iterator<Item = (&'s Step, Below)>) {
+        let this = self.nodes.len();
+        match parts.next() {
+            Some((Step::Split, _)) => {
+                self.nodes.push(Node::inner(&Aabb::EMPTY, 0));
+                self.append(parts);
+                self.nodes[this].link = self.nodes.len() as u32;
+                self.append(parts);
+                enclose(&mut self.nodes, this);
+            }
+            Some((Step::Range(_), below)) => {
+                self.parts.push(below.treelets);
+                let part = self.parts.len() as u32;
+                self.nodes.extend(below.nodes.into_iter().map(|node| match node.is_leaf() {
+                    true => Node { count: part, ..node },
+                    false => Node { link: node.link + this as u32, ..node },
+                }));
+            }
+            None => {}
+        }
     }
 
     /// The nodes, and beside them what their leaves are.
@@ -93,50 +134,8 @@ impl<'a> Treelets<'a> {
         &self.nodes
     }
 
-    fn below(&self, range: Range<usize>, most: usize, progress: &Progress<'_>) -> Below {
-        let mut below = Below::default();
-        if range.is_empty() || progress.is_cancelled() {
-            return below;
-        }
-        if range.len() > SEQUENTIAL {
-            let middle = self.middle(&range);
-            let (low, high) = join(
-                || self.below(range.start..middle, most, progress),
-                || self.below(middle..range.end, most, progress),
-            );
-            // A part is empty when the build is cancelled.
-            return if low.nodes.is_empty() || high.nodes.is_empty() {
-                low
-            } else {
-                Below::joined(low, high)
-            };
-        }
-        // The mean treelet has two thirds of the most.
-        below.treelets.reserve(2 * range.len() / most + 1);
-        below.nodes.reserve(4 * range.len() / most + 1);
-        let count = range.len();
-        self.sequential(range, most, &mut Cutter::new(self.max_leaf), &mut below);
-        progress.add(count);
-        below
-    }
-
-    fn sequential(&self, range: Range<usize>, most: usize, cutter: &mut Cutter, below: &mut Below) {
-        if range.len() <= most {
-            let treelet = self.treelet(range, cutter);
-            below.nodes.push(Node::leaf(&treelet.bounds.bounds(), below.treelets.len() as u32, 1));
-            below.treelets.push(treelet);
-            return;
-        }
-        let middle = self.middle(&range);
-        let this = below.nodes.len();
-        below.nodes.push(Node::inner(&Aabb::EMPTY, 0));
-        self.sequential(range.start..middle, most, cutter, below);
-        below.nodes[this].link = below.nodes.len() as u32;
-        self.sequential(middle..range.end, most, cutter, below);
-        enclose(&mut below.nodes, this);
-    }
-
     /// Where a range of two or more is cut.
+    #[inline(always)]
     fn middle(&self, range: &Range<usize>) -> usize {
         let keys = &self.keys[range.clone()];
         let [Some(first), Some(last)] = [keys.first(), keys.last()] else { return range.start };
@@ -148,18 +147,77 @@ impl<'a> Treelets<'a> {
         range.start + keys.partition_point(|key| key & bit == 0)
     }
 
+    #[inline(always)]
     fn treelet(&self, range: Range<usize>, cutter: &mut Cutter) -> Treelet {
-        let mut bounds = Extent::EMPTY;
-        for (place, &key) in cutter.boxes.iter_mut().zip(&self.keys[range.clone()]) {
-            *place = corners(&self.triangles[index(key) as usize]);
-            bounds = bounds.union(*place);
+        // Triangles lie anywhere.
+        for &key in self.keys.iter().skip(range.start + AHEAD).take(range.len()) {
+            let triangle = std::ptr::from_ref(&self.triangles[index(key) as usize]);
+            // Every other one goes on in the next line.
+            prefetch(triangle);
+            prefetch(triangle.cast::<u32>().wrapping_add(size_of::<FlatTriangle>() / 4 - 2));
+        }
+        for (place, &key) in self.keys[range.clone()].iter().enumerate() {
+            cutter.set(place, corners(&self.triangles[index(key) as usize]));
         }
         let cuts = cutter.cuts(range.len());
+        // Around all is what is around its leaves.
+        let leaves = cuts.begins[WIDTH - 1].count_ones() as usize;
+        let boxes = cuts.boxes.iter().take(leaves);
+        let bounds = union(boxes.map(|&[low, high]| Extent {
+            low: Vec3::from(low).extend(0.0),
+            high: Vec3::from(high).extend(0.0),
+        }));
         Treelet { bounds, first: range.start as u32, count: range.len() as u32, cuts }
     }
 
     fn of(&self, leaf: &Node) -> &Treelet {
-        &self.treelets[leaf.link as usize]
+        &self.parts[leaf.count as usize - 1][leaf.link as usize]
+    }
+}
+
+/// A range of some triangles that one thread cuts into treelets.
+struct Work<'a> {
+    treelets: &'a Treelets<'a>,
+    range: Range<usize>,
+}
+
+impl Task for Work<'_> {
+    type Output = Below;
+
+    #[inline(always)]
+    fn run<L: Level>(self, _: L) -> Below {
+        let Self { treelets, mut range } = self;
+        let most = MOST.min(WIDTH * treelets.max_leaf as usize);
+        let mut cutter = Cutter::new(treelets.max_leaf);
+        // The mean treelet has two thirds of the most.
+        let mut below = Below {
+            nodes: Vec::with_capacity(4 * range.len() / most + 1),
+            treelets: Vec::with_capacity(2 * range.len() / most + 1),
+        };
+        // Second halves, and the nodes that wait for them.
+        let mut waiting: Vec<(Range<usize>, usize)> = Vec::new();
+        loop {
+            if range.len() > most {
+                let middle = treelets.middle(&range);
+                waiting.push((middle..range.end, below.nodes.len()));
+                below.nodes.push(Node::inner(&Aabb::EMPTY, 0));
+                range.end = middle;
+                continue;
+            }
+            let treelet = treelets.treelet(range, &mut cutter);
+            below.nodes.push(Node::leaf(&treelet.bounds.bounds(), below.treelets.len() as u32, 1));
+            below.treelets.push(treelet);
+            let Some((second, parent)) = waiting.pop() else { break };
+            below.nodes[parent].link = below.nodes.len() as u32;
+            range = second;
+        }
+        // Children come after their parents.
+        for this in (0..below.nodes.len()).rev() {
+            if !below.nodes[this].is_leaf() {
+                enclose(&mut below.nodes, this);
+            }
+        }
+        below
     }
 }
 

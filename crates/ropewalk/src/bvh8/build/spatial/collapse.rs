@@ -12,6 +12,7 @@ use super::cost::{Cost, ROWS, half_area, spread, weigh};
 use crate::Aabb;
 use crate::bvh::Node;
 use crate::bvh8::tree::{Child, Tree, TreeNode, WIDTH};
+use crate::memory::with_capacity;
 use crate::parallel::map_chunks;
 use std::ops::Range;
 
@@ -103,7 +104,22 @@ pub(in crate::bvh8) fn collapse(nodes: &[Node], max_leaf: u32, bottom: &impl Bot
         tree.nodes.push(root);
         return tree;
     }
-    collapse.subtree(0)
+    collapse.whole()
+}
+
+/// A part of the tree.
+enum Piece {
+    /// A node and the references of its leaves. The links of its other children are told apart from it.
+    Node(Tree),
+    /// What is below a binary node.
+    Subtree(u32),
+}
+
+/// The place of a piece's first node that leads to another piece's.
+struct Link {
+    piece: usize,
+    place: usize,
+    to: usize,
 }
 
 struct Collapse<'a, B> {
@@ -114,34 +130,60 @@ struct Collapse<'a, B> {
 }
 
 impl<B: Bottom> Collapse<'_, B> {
-    /// The wide nodes of the subtree at `root`, which makes at least one.
-    fn subtree(&self, root: u32) -> Tree {
-        if self.costs[root as usize].references <= SEQUENTIAL {
-            return self.sequential(root);
-        }
-        let mut tree = Tree::default();
-        let (node, inner) = self.node(root, &mut tree.order);
-        tree.nodes.push(node);
-        let inner = &inner.children[..inner.len];
-        let parts = map_chunks(inner, 1, |_, part| {
-            part.iter().map(|&(_, child)| self.subtree(child)).collect::<Vec<_>>()
+    /// All wide nodes, of which there is at least one.
+    fn whole(&self) -> Tree {
+        let (pieces, links) = self.pieces();
+        let below = map_chunks(&pieces, 1, |_, piece| match piece {
+            [Piece::Subtree(root)] => self.sequential(*root),
+            _ => Tree::default(),
         });
-        for (&(place, _), part) in inner.iter().zip(parts.into_iter().flatten()) {
-            let (node_base, order_base) = (tree.nodes.len() as u32, tree.order.len() as u32);
-            tree.nodes[0].children[place].link = node_base;
-            tree.order.extend(part.order);
-            tree.nodes.extend(part.nodes.into_iter().map(|mut node| {
+        let count = |of: fn(&Tree) -> usize| below.iter().map(of).sum::<usize>();
+        let mut tree = Tree {
+            nodes: with_capacity(pieces.len() + count(|tree| tree.nodes.len())),
+            order: with_capacity(self.costs[0].references as usize),
+        };
+        let mut firsts = Vec::with_capacity(pieces.len());
+        for (piece, below) in pieces.into_iter().zip(below) {
+            let [node_base, order_base] = [tree.nodes.len() as u32, tree.order.len() as u32];
+            firsts.push(node_base);
+            let Tree { nodes, order } = match piece {
+                Piece::Node(tree) => tree,
+                Piece::Subtree(_) => below,
+            };
+            tree.order.extend(order);
+            tree.nodes.extend(nodes.into_iter().map(|mut node| {
                 for child in &mut node.children {
-                    if child.is_leaf() {
-                        child.link += order_base;
-                    } else if !child.is_nothing() {
-                        child.link += node_base;
-                    }
+                    // Nothing leads to the first node of a subtree, so that link 0 stays nothing.
+                    let base = if child.is_leaf() { order_base } else { node_base };
+                    child.link += if child.is_nothing() { 0 } else { base };
                 }
                 node
             }));
         }
+        for Link { piece, place, to } in links {
+            tree.nodes[firsts[piece] as usize].children[place].link = firsts[to];
+        }
         tree
+    }
+
+    /// The nodes of many references and the subtrees of few below them, in depth-first order, and what leads from one to the other.
+    fn pieces(&self) -> (Vec<Piece>, Vec<Link>) {
+        let (mut pieces, mut links) = (Vec::new(), Vec::new());
+        let mut pending: Vec<(u32, Option<(usize, usize)>)> = vec![(0, None)];
+        while let Some((root, waiting)) = pending.pop() {
+            let to = pieces.len();
+            links.extend(waiting.map(|(piece, place)| Link { piece, place, to }));
+            if self.costs[root as usize].references <= SEQUENTIAL {
+                pieces.push(Piece::Subtree(root));
+                continue;
+            }
+            let mut order = Vec::new();
+            let (node, inner) = self.node(root, &mut order);
+            pieces.push(Piece::Node(Tree { nodes: vec![node], order }));
+            let inner = inner.children[..inner.len].iter().rev();
+            pending.extend(inner.map(|&(place, child)| (child, Some((to, place)))));
+        }
+        (pieces, links)
     }
 
     fn sequential(&self, root: u32) -> Tree {
