@@ -37,8 +37,9 @@ fn turned(scene: &Scene) -> Scene {
 /// A ray straight down at the middle of every triangle that is not too thin to be aimed at, and how far its triangle is.
 fn rays(scene: &Scene) -> (Vec<Ray>, Vec<f32>, usize) {
     let bounds = scene.bounds();
-    let above = ABOVE * (bounds.max - bounds.min).length();
-    let largest = bounds.max.abs().max(bounds.min.abs()).max_element() + above;
+    let (low, high) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+    let above = ABOVE * (high - low).length();
+    let largest = high.abs().max(low.abs()).max_element() + above;
     let flat = scene.flatten().unwrap();
     let mut aimed = (Vec::new(), Vec::new(), flat.triangles.len());
     for triangle in &flat.triangles {

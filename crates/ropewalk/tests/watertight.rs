@@ -161,7 +161,9 @@ fn nothing_escapes_from_scanned_models_far_away() {
 fn a_hole_is_found() {
     let mut closed = Closed::new("sphere", meshes::icosphere(3));
     closed.mesh.triangles.remove(700);
-    closed.bvh = Scene::from_mesh(closed.mesh.clone()).build(&BuildOptions::default()).unwrap();
+    let scene = Scene::from_mesh(closed.mesh.clone());
+    closed.bvh = scene.build(&BuildOptions::default()).unwrap();
+    closed.packed = scene.build_packed(&Bvh8Options::default()).unwrap();
     assert!(closed.escaping(100_000).0 > 0);
 }
 

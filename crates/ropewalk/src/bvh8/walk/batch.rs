@@ -2,6 +2,7 @@
 
 use super::brute_force::EveryLeaf;
 use super::interleave::{AnyGoal, ClosestGoal, FEW, Goal, Interleaved, MANY};
+use super::one_by_one::OneByOne;
 use super::packet::{self, Packets};
 use super::single::{ByForm, Place};
 use crate::batch::{Answer, Batch, Keep, TraceOptions, Traced, Traversal};
@@ -109,9 +110,11 @@ impl Bvh8 {
         fill_chunks(answers, CHUNK, |first, answers| {
             let rays = &rays[first..][..answers.len()];
             let left = dispatch(self.level, Packets::<'_, '_, R, G> { place, rays, answers: &mut *answers });
-            let runs = left.as_slice();
+            let runs = left.runs.as_slice();
             if self.arena.len() > R::LARGE {
                 dispatch(self.level, Interleaved::<'_, '_, R, G, MANY> { place, rays, runs, answers });
+            } else if left.run_alike {
+                dispatch(self.level, OneByOne::<'_, '_, R, G> { place, rays, runs, answers });
             } else {
                 dispatch(self.level, Interleaved::<'_, '_, R, G, FEW> { place, rays, runs, answers });
             }

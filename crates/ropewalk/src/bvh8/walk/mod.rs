@@ -9,6 +9,7 @@ mod boxes;
 mod brute_force;
 mod instanced;
 mod interleave;
+mod one_by_one;
 mod packet;
 mod ray;
 mod single;

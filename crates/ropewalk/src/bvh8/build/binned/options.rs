@@ -25,7 +25,7 @@ pub(crate) struct BinnedOptions {
 impl BinnedOptions {
     /// Good trees in little time.
     pub(crate) const BALANCED: Self =
-        Self { bins: 32, max_leaf: 4, smallest_split: 4, node_cost: 10, leaf_cost: 10, triangle_cost: 0 };
+        Self { bins: 32, max_leaf: 8, smallest_split: 4, node_cost: 10, leaf_cost: 10, triangle_cost: 0 };
     /// Fewer planes, and leaves that are taken as they come.
     pub(crate) const FAST: Self = Self { bins: 16, max_leaf: 8, smallest_split: 8, ..Self::BALANCED };
 

