@@ -213,12 +213,16 @@ impl<'a, R: Reader<'a>, G: Goal, const SLOTS: usize> Task for Interleaved<'a, '_
                     // SAFETY: a slot may be written anew; where it is not it stays as it is.
                     let slot = unsafe { &mut *std::ptr::from_mut(slot).cast() };
                     if queue.load::<G>(slot, answers) {
-                        asked[turn] = DONE;
+                        if R::APART {
+                            asked[turn] = DONE;
+                        }
                         turn += 1;
                     } else {
                         count -= 1;
                         busy.swap(turn, count);
-                        asked[turn] = asked[count];
+                        if R::APART {
+                            asked[turn] = asked[count];
+                        }
                     }
                     continue;
                 }
