@@ -16,10 +16,11 @@ pub(super) fn specs() -> Vec<StructureSpec> {
         StructureSpec::WideBvh(WideOptions::default()),
         StructureSpec::List(ListOptions::BEST),
         StructureSpec::KdTree(KdOptions::default()),
-        StructureSpec::Instanced(Bvh8Options { preset: Preset::High, level: None }),
         StructureSpec::TwoLevel(TwoLevelOptions::default()),
         two_level(Bottoms::Each(BottomSpec::List(ListOptions::BEST)), true, Opening::Never),
         two_level(Bottoms::Mixed, false, Opening::ByCost(3)),
+        // For the CPU alone.
+        StructureSpec::Instanced(Bvh8Options { preset: Preset::High, level: None }),
     ]
 }
 
