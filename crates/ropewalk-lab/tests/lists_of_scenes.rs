@@ -1,23 +1,17 @@
 //! Traversal lists of whole scenes: parts that move through a kitchen, and a cloth from one frame to the next.
 
+mod common;
+
 use ropewalk::glam::{Affine3A, Quat, Vec3};
 use ropewalk::traversal_list::{Bounds, Cull, Directions, ListOptions, Source};
 use ropewalk::{
     Answer, Hit, Instance, Query, Ray, Scene, TraceOptions, Transform, TraversalList, UpdateError, Walk,
 };
-use ropewalk_scene::load::load;
 use ropewalk_testkit::random::Random;
-use std::path::PathBuf;
 use std::time::Instant;
 
-/// A scene file beside the project, where it is there.
 fn scene(name: &str) -> Option<Scene> {
-    let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/scenes")).join(name);
-    if !path.exists() {
-        println!("skipped: {name} is not there");
-        return None;
-    }
-    Some(load(&path).unwrap().scene)
+    common::model(name).map(|model| model.scene)
 }
 
 fn rays(scene: &Scene, count: usize) -> Vec<Ray> {

@@ -1,25 +1,19 @@
 //! No triangle is lost where others lose some: a ray at the middle of every triangle of the scenes on which engines with an absolute
 //! tolerance, or with spatial splits that cut too much, miss hits. Packed trees of every preset at every level, and the binary tree.
 
+mod common;
+
 use ropewalk::bvh8::{Preset, SimdLevel};
 use ropewalk::glam::{DMat3, DVec3, EulerRot};
 use ropewalk::{Answer, BuildOptions, Bvh8Options, Hit, Query, Ray, Scene, TraceOptions, Walk};
-use ropewalk_scene::load::load;
-use std::path::PathBuf;
 
 /// How far above a triangle its ray begins, of the scene's diagonal.
 const ABOVE: f64 = 1e-3;
 /// Circles inside of triangles that a ray is sure to meet: in units of the last place of the largest coordinate.
 const SURE: f64 = 64.0 * f32::EPSILON as f64;
 
-/// A scene file beside the project, where it is there.
 fn scene(name: &str) -> Option<Scene> {
-    let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/scenes")).join(name);
-    if !path.exists() {
-        println!("skipped: {name} is not there");
-        return None;
-    }
-    Some(load(&path).unwrap().scene)
+    common::model(name).map(|model| model.scene)
 }
 
 /// All vertices turned off the axes.

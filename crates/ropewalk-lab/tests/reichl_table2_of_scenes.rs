@@ -1,19 +1,14 @@
 //! Table 2 on the scenes that the paper has, or that stand for its: where they are.
 
+mod common;
+
 use ropewalk_lab::reichl_table2::{ReichlTable2Findings, ReichlTable2Settings, run};
 use ropewalk_render::{Ground, Stage, StageOptions};
-use ropewalk_scene::load::load;
 use std::ops::ControlFlow;
-use std::path::Path;
 
 /// Counts of a scene in a small picture; `None`, with a word, where the scene is not there.
 fn counted(name: &str) -> Option<ReichlTable2Findings> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/scenes")).join(name);
-    if !path.exists() {
-        println!("skipped: {name} is not there");
-        return None;
-    }
-    let model = load(&path).expect("the scene is read");
+    let model = common::model(name)?;
     let stage = Stage::new(model, &StageOptions { ground: Ground::Off, ..StageOptions::default() });
     let settings = ReichlTable2Settings { size: 96, ..ReichlTable2Settings::new() };
     Some(run(name, &stage, &settings, &|_| ControlFlow::Continue(())).expect("the pictures are the same"))

@@ -15,11 +15,31 @@ pub(crate) fn join<A, B>(first: impl FnOnce() -> A, second: impl FnOnce() -> B) 
     (first(), second())
 }
 
+/// A piece of work. Whatever it does it is of one type, and [`fill_chunks`] and [`map_chunks`] call what they are given through a
+/// pointer: what hands work to threads is then compiled once, and not for each caller, which took a third of the crate's code.
+#[cfg(feature = "parallel")]
+type Work<'a> = Box<dyn FnOnce() + Send + 'a>;
+
+/// Runs all of it side by side, and waits for all.
+#[cfg(feature = "parallel")]
+fn run(work: Vec<Work<'_>>) {
+    use rayon::prelude::*;
+    work.into_par_iter().for_each(|work| work());
+}
+
 /// Fills `output` in chunks of at most `chunk` elements; `fill` gets the index of its chunk's first element.
 #[cfg(feature = "parallel")]
 pub(crate) fn fill_chunks<T: Send>(output: &mut [T], chunk: usize, fill: impl Fn(usize, &mut [T]) + Sync) {
-    use rayon::prelude::*;
-    output.par_chunks_mut(chunk).enumerate().for_each(|(index, part)| fill(index * chunk, part));
+    fill_parts(output, chunk, &fill);
+}
+
+#[cfg(feature = "parallel")]
+fn fill_parts<T: Send>(output: &mut [T], chunk: usize, fill: &(dyn Fn(usize, &mut [T]) + Sync)) {
+    let parts = output.chunks_mut(chunk).enumerate();
+    if parts.len() <= 1 {
+        return parts.for_each(|(_, part)| fill(0, part));
+    }
+    run(parts.map(|(index, part)| -> Work<'_> { Box::new(move || fill(index * chunk, part)) }).collect());
 }
 
 /// Fills `output` in chunks of at most `chunk` elements; `fill` gets the index of its chunk's first element.
@@ -35,8 +55,22 @@ pub(crate) fn map_chunks<T: Sync, R: Send>(
     chunk: usize,
     map: impl Fn(usize, &[T]) -> R + Sync,
 ) -> Vec<R> {
-    use rayon::prelude::*;
-    input.par_chunks(chunk).enumerate().map(|(index, part)| map(index * chunk, part)).collect()
+    map_parts(input, chunk, &map)
+}
+
+#[cfg(feature = "parallel")]
+fn map_parts<T: Sync, R: Send>(input: &[T], chunk: usize, map: &(dyn Fn(usize, &[T]) -> R + Sync)) -> Vec<R> {
+    let parts = input.chunks(chunk).enumerate();
+    if parts.len() <= 1 {
+        return parts.map(|(_, part)| map(0, part)).collect();
+    }
+    let mut values: Vec<Option<R>> = std::iter::repeat_with(|| None).take(parts.len()).collect();
+    let mut work: Vec<Work<'_>> = Vec::with_capacity(values.len());
+    for ((index, part), value) in parts.zip(&mut values) {
+        work.push(Box::new(move || *value = Some(map(index * chunk, part))));
+    }
+    run(work);
+    values.into_iter().flatten().collect()
 }
 
 /// Makes a value of each chunk of at most `chunk` elements, in order.

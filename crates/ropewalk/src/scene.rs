@@ -102,6 +102,16 @@ impl InputReport {
     }
 }
 
+impl std::ops::AddAssign for InputReport {
+    fn add_assign(&mut self, other: Self) {
+        self.triangles += other.triangles;
+        self.not_finite += other.not_finite;
+        self.out_of_range += other.out_of_range;
+        self.degenerate += other.degenerate;
+        self.collinear += other.collinear;
+    }
+}
+
 impl Scene {
     /// Coordinates beyond this size would overflow products of three in f32.
     pub const LARGEST_COORDINATE: f32 = 1e12;

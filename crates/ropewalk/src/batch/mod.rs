@@ -1,14 +1,15 @@
 //! Many rays at once, and what comes back: the same types from the CPU and from a GPU.
 
+mod entries;
 mod filter;
 mod trace;
 
+pub(crate) use entries::trace_entries;
 pub use filter::Keep;
 pub use trace::settle;
 pub(crate) use trace::{Batch, Question, Traversal, answer_each, gather};
 
-use crate::{CounterTotals, Counters, Hit, Query, Ray, Status};
-use trace::statuses;
+use crate::{CounterTotals, Counters, Hit, Query, Status};
 
 /// How a batch is traced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -103,11 +104,6 @@ pub struct Traced {
 }
 
 impl Traced {
-    /// Answers without counters.
-    pub(crate) fn uncounted(answer: Answer, rays: &[Ray]) -> Self {
-        Self { answer, status: statuses(rays), counters: None }
-    }
-
     /// How many rays have `bit` set in their status.
     #[must_use]
     pub fn count_status(&self, bit: Status) -> usize {

@@ -34,6 +34,34 @@ pub(crate) struct Batch<'a, Q = Ray> {
     pub(crate) keep: Option<Keep<'a>>,
 }
 
+impl Batch<'_> {
+    /// Asks for closest hits or any hits of all rays at once, as structures answer that lead several rays in turn. `None`
+    /// where each hit counts, or the work of each ray, or hits must be kept first.
+    pub(crate) fn answered_at_once(
+        &self,
+        closest: impl FnOnce(&[Ray], &mut [Hit]),
+        any: impl FnOnce(&[Ray], &mut [bool]),
+    ) -> Option<Traced> {
+        if self.keep.is_some() || self.options.counters {
+            return None;
+        }
+        let answer = match self.query {
+            Query::Closest => {
+                let mut hits = vec![Hit::MISS; self.rays.len()];
+                closest(self.rays, &mut hits);
+                Answer::Closest(hits)
+            }
+            Query::Any => {
+                let mut hits = vec![false; self.rays.len()];
+                any(self.rays, &mut hits);
+                Answer::Any(hits)
+            }
+            Query::All | Query::Count => return None,
+        };
+        Some(Traced { answer, status: statuses(self.rays), counters: None })
+    }
+}
+
 /// A structure together with the way to walk it.
 pub(crate) trait Traversal<Q: Question = Ray>: Sync {
     /// Leads the ray of a question, ready made, through the structure, and gives back what was collected and counted.
@@ -202,7 +230,7 @@ fn keep_first_of_each(hits: &mut Vec<Hit>, first: usize) {
     hits.truncate(kept);
 }
 
-pub(super) fn statuses<Q: Question>(questions: &[Q]) -> Vec<Status> {
+fn statuses<Q: Question>(questions: &[Q]) -> Vec<Status> {
     let status =
         |question: &Q| if question.ray().is_valid() { Status::COMPLETE } else { Status::INVALID_RAY };
     questions.iter().map(status).collect()

@@ -40,6 +40,18 @@ impl BuildReport {
         if self.triangles == 0 { 0.0 } else { self.bytes as f64 / self.triangles as f64 }
     }
 
+    /// Adds what an object under a top level counts: sums, and the greatest depth and leaf.
+    pub(crate) fn add_object(&mut self, object: &Self) {
+        self.flatten_time += object.flatten_time;
+        self.triangles += object.triangles;
+        self.references += object.references;
+        self.nodes += object.nodes;
+        self.leaves += object.leaves;
+        self.bytes += object.bytes;
+        self.largest_leaf = self.largest_leaf.max(object.largest_leaf);
+        self.depth = self.depth.max(object.depth);
+    }
+
     /// Measures a valid tree over `distinct` triangles, some of which may stand among `triangles` several times; the
     /// input report and the times are left at zero.
     pub(super) fn measure(nodes: &[Node], triangles: &[FlatTriangle], distinct: usize) -> Self {

@@ -1,23 +1,21 @@
 //! Packing a tree into its arena: each node with its leaves right behind it, in the order of the tree.
 //!
-//! A block is a node of 256 bytes, its leaves on boundaries of 16 bytes, and what is missing to a whole cache line. Where each begins
-//! is a sum over the blocks before it; then blocks are written side by side.
+//! A [block](super::blocks) is a node of 256 bytes, its leaves on boundaries of 16 bytes, and what is missing to a whole cache line.
 //!
 //! The triangles of leaves lie anywhere, so those of a leaf some leaves ahead are asked for. All of it is compiled for the
 //! processor's vector instructions.
 
 use super::arena::{Arena, LINE, prefetch};
+use super::blocks::Blocks;
 use super::leaf::{self, BYTES, MARGIN};
-use super::node::{LARGEST_ARENA, PackedNode, UNIT, Word};
+use super::node::{PackedNode, UNIT, Word};
 use super::order::push_order;
 use super::places;
 use super::simd::{Detected, Level, Task, dispatch};
 use super::tree::{Tree, TreeNode, WIDTH};
 use crate::FlatTriangle;
-use crate::parallel::join;
+use std::ops::Range;
 
-/// Blocks that one thread writes.
-const SEQUENTIAL: usize = 2048;
 /// So many references lie between asking for a triangle and reading it: those of about two blocks.
 const AHEAD: usize = 32;
 
@@ -28,25 +26,20 @@ pub(super) fn pack(
     triangles: &[FlatTriangle],
     numbers: Option<&[u32]>,
 ) -> Result<(Arena, Vec<u32>), usize> {
-    let mut offsets = Vec::with_capacity(tree.nodes.len());
-    let mut bytes = 0;
-    for node in &tree.nodes {
-        offsets.push((bytes / UNIT) as u32);
-        bytes += block_bytes(node);
-        if bytes > LARGEST_ARENA {
-            return Err(tree.nodes.iter().map(block_bytes).sum());
-        }
-    }
-    let mut arena = Arena::new(if bytes == 0 { 0 } else { bytes + MARGIN });
+    let blocks = Blocks::new(tree, block_words)?;
+    let words = blocks.words();
+    let mut arena = Arena::new(if words == 0 { 0 } else { 4 * words + MARGIN });
     let level = Detected::or_best(None);
-    let packing = Packing { tree, triangles, numbers, offsets: &offsets, level };
-    packing.write(0, tree.nodes.len(), &mut arena.words_mut()[..bytes / 4]);
-    Ok((arena, offsets))
+    let packing = Packing { tree, triangles, numbers, blocks: &blocks };
+    blocks.write(&mut arena.words_mut()[..words], &|range, words| {
+        dispatch(level, Part { packing: &packing, range, words });
+    });
+    Ok((arena, blocks.into_offsets()))
 }
 
-fn block_bytes(node: &TreeNode) -> usize {
+fn block_words(node: &TreeNode) -> usize {
     let leaves: usize = node.children.iter().map(|child| leaf_bytes(child.count as usize)).sum();
-    (size_of::<PackedNode>() + leaves).next_multiple_of(LINE)
+    (size_of::<PackedNode>() + leaves).next_multiple_of(LINE) / 4
 }
 
 const fn leaf_bytes(count: usize) -> usize {
@@ -57,16 +50,13 @@ struct Packing<'a> {
     tree: &'a Tree,
     triangles: &'a [FlatTriangle],
     numbers: Option<&'a [u32]>,
-    /// Where each block begins, in units.
-    offsets: &'a [u32],
-    level: Detected,
+    blocks: &'a Blocks,
 }
 
 /// Some blocks and their words.
 struct Part<'a> {
     packing: &'a Packing<'a>,
-    from: usize,
-    to: usize,
+    range: Range<usize>,
     words: &'a mut [u32],
 }
 
@@ -75,10 +65,9 @@ impl Task for Part<'_> {
 
     #[inline(always)]
     fn run<L: Level>(self, _: L) {
-        let Self { packing, from, to, words: mut rest } = self;
-        for index in from..to {
-            let end = if index + 1 < packing.offsets.len() { packing.word_of(index + 1) } else { usize::MAX };
-            let length = (end - packing.word_of(index)).min(rest.len());
+        let Self { packing, range, words: mut rest } = self;
+        for index in range {
+            let length = packing.blocks.word_of(index + 1) - packing.blocks.word_of(index);
             let (block, behind) = rest.split_at_mut(length);
             packing.write_block(index, block);
             rest = behind;
@@ -87,29 +76,13 @@ impl Task for Part<'_> {
 }
 
 impl Packing<'_> {
-    /// Writes the blocks `from..to` into their words.
-    fn write(&self, from: usize, to: usize, words: &mut [u32]) {
-        if to - from > SEQUENTIAL {
-            let middle = from + (to - from) / 2;
-            let (low, high) = words.split_at_mut(self.word_of(middle) - self.word_of(from));
-            join(|| self.write(from, middle, low), || self.write(middle, to, high));
-            return;
-        }
-        dispatch(self.level, Part { packing: self, from, to, words });
-    }
-
-    #[inline(always)]
-    fn word_of(&self, index: usize) -> usize {
-        self.offsets[index] as usize * UNIT / 4
-    }
-
     #[inline(always)]
     fn write_block(&self, index: usize, block: &mut [u32]) {
         let (node, filled) = places::in_order(&self.tree.nodes[index]);
         let order = push_order(&node.bounds, filled);
         let mut packed = PackedNode { bounds: node.bounds, children: [0; WIDTH], order };
         let (head, mut leaves) = block.split_at_mut(size_of::<PackedNode>() / 4);
-        let mut place = self.offsets[index] as usize + size_of::<PackedNode>() / UNIT;
+        let mut place = self.blocks.offset(index) as usize + size_of::<PackedNode>() / UNIT;
         for (word, child) in packed.children.iter_mut().zip(node.children).take(filled) {
             if child.is_leaf() {
                 let count = child.count as usize;
@@ -119,7 +92,7 @@ impl Packing<'_> {
                 leaves = behind;
                 place += leaf_bytes(count) / UNIT;
             } else {
-                *word = Word::node(self.offsets[child.link as usize]).0;
+                *word = Word::node(self.blocks.offset(child.link as usize)).0;
             }
         }
         head.copy_from_slice(bytemuck::cast_slice(std::slice::from_ref(&packed)));

@@ -15,6 +15,7 @@
 
 #[expect(unsafe_code, reason = "nodes and leaves are read by words that packing has checked")]
 mod arena;
+mod blocks;
 mod build;
 mod compact;
 mod convert;
@@ -49,7 +50,7 @@ use crate::{Aabb, BuildError, BuildReport, FlatTriangle, Monitor, NoMonitor, Sce
 use arena::Arena;
 use build::binned::{BinnedOptions, build_binned};
 use build::morton::{MortonOptions, build_morton};
-use build::spatial::{SpatialOptions, build_spatial};
+use build::reinserted::{ReinsertedOptions, build_reinserted};
 use names::Names;
 use node::Word;
 use simd::Detected;
@@ -193,7 +194,7 @@ impl Scene {
             Preset::Fastest => build_morton(&triangles, &MortonOptions::default(), monitor)?,
             Preset::Fast => build_binned(&triangles, &BinnedOptions::FAST, monitor)?,
             Preset::Balanced => build_binned(&triangles, &BinnedOptions::BALANCED, monitor)?,
-            Preset::High => build_spatial(&triangles, &SpatialOptions::default(), monitor)?,
+            Preset::High => build_reinserted(&triangles, &ReinsertedOptions::default(), monitor)?,
             Preset::Compact => build_binned(&triangles, &BinnedOptions::COMPACT, monitor)?,
         };
         let known = BuildReport { input, flatten_time, triangles: triangles.len(), ..BuildReport::default() };

@@ -2,11 +2,12 @@
 
 use super::KdTree;
 use super::walk::{Backtrack, KdWalk, ReferenceVisitor, Restart, RestartTrail, Ropes, ShortStack, Stack};
-use crate::batch::{Batch, Keep, TraceOptions, Traced, Traversal, answer_each};
+use crate::batch::{Batch, TraceOptions, Traced, Traversal, answer_each, trace_entries};
 use crate::bvh::StackOrder;
 use crate::bvh::walk::{AnyHit, ClosestHit, Collect, TrailU64};
-use crate::catalogue::{self, StructureKind};
-use crate::{CatalogueError, DeviceKind, Hit, NoProbe, PreparedRay, Probe, Query, Ray, TraceError, Walk};
+use crate::{CatalogueError, Hit, NoProbe, PreparedRay, Probe, Query, Ray, TraceError, Walk};
+
+trace_entries!(KdTree, KdTree);
 
 impl KdTree {
     /// The closest hit of a ray; [`Hit::MISS`] where there is none or the ray is not valid.
@@ -61,37 +62,7 @@ impl KdTree {
         (visitor.collect, visitor.probe)
     }
 
-    /// Traces a batch by any walk of the catalogue.
-    ///
-    /// # Errors
-    /// When the walk does not answer the query.
-    pub fn trace(
-        &self,
-        walk: Walk,
-        query: Query,
-        rays: &[Ray],
-        options: TraceOptions,
-    ) -> Result<Traced, TraceError> {
-        self.trace_batch(walk, Batch { query, rays, options, keep: None })
-    }
-
-    /// Traces a batch by any walk of the catalogue, as if the hits that `keep` does not keep were not there.
-    ///
-    /// # Errors
-    /// As [`Self::trace`].
-    pub fn trace_filtered(
-        &self,
-        walk: Walk,
-        query: Query,
-        rays: &[Ray],
-        options: TraceOptions,
-        keep: Keep<'_>,
-    ) -> Result<Traced, TraceError> {
-        self.trace_batch(walk, Batch { query, rays, options, keep: Some(keep) })
-    }
-
     fn trace_batch(&self, walk: Walk, batch: Batch<'_>) -> Result<Traced, TraceError> {
-        catalogue::check(StructureKind::KdTree, walk, batch.query, DeviceKind::Cpu)?;
         Ok(match walk {
             Walk::BruteForce => Unordered(self).trace(batch),
             Walk::Stack(StackOrder::Ordered) => self.by(Stack).trace(batch),

@@ -1,10 +1,11 @@
 //! One ray or many through lists.
 
 use super::{Starts, TraversalList};
-use crate::batch::{Batch, Keep, Question, TraceOptions, Traced, Traversal, answer_each};
+use crate::batch::{Batch, Question, TraceOptions, Traced, Traversal, answer_each, trace_entries};
 use crate::bvh::walk::{AnyHit, ClosestHit, Collect};
-use crate::catalogue::{self, StructureKind};
-use crate::{CatalogueError, DeviceKind, Hit, NoProbe, PreparedRay, Probe, Query, Ray, TraceError, Walk};
+use crate::{CatalogueError, Hit, NoProbe, PreparedRay, Probe, Query, Ray, TraceError, Walk};
+
+trace_entries!(TraversalList, List);
 
 impl TraversalList {
     /// The closest hit of a ray; [`Hit::MISS`] where there is none or the ray is not valid.
@@ -42,37 +43,7 @@ impl TraversalList {
         answer_each(rays, hits, |ray| self.any(ray));
     }
 
-    /// Traces a batch by any walk of the catalogue.
-    ///
-    /// # Errors
-    /// When the walk does not answer the query.
-    pub fn trace(
-        &self,
-        walk: Walk,
-        query: Query,
-        rays: &[Ray],
-        options: TraceOptions,
-    ) -> Result<Traced, TraceError> {
-        self.trace_batch(walk, Batch { query, rays, options, keep: None })
-    }
-
-    /// Traces a batch by any walk of the catalogue, as if the hits that `keep` does not keep were not there.
-    ///
-    /// # Errors
-    /// As [`Self::trace`].
-    pub fn trace_filtered(
-        &self,
-        walk: Walk,
-        query: Query,
-        rays: &[Ray],
-        options: TraceOptions,
-        keep: Keep<'_>,
-    ) -> Result<Traced, TraceError> {
-        self.trace_batch(walk, Batch { query, rays, options, keep: Some(keep) })
-    }
-
     fn trace_batch(&self, walk: Walk, batch: Batch<'_>) -> Result<Traced, TraceError> {
-        catalogue::check(StructureKind::List, walk, batch.query, DeviceKind::Cpu)?;
         match walk {
             Walk::List => Ok(Listed(self).trace(batch)),
             Walk::BruteForce => Ok(Unordered(self).trace(batch)),

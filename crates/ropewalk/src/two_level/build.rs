@@ -125,21 +125,12 @@ impl TwoLevel {
     /// Sums up the reports of the objects.
     pub(super) fn measure(&mut self) {
         let mut report = BuildReport { build_time: self.report.build_time, ..BuildReport::default() };
-        let mut deepest = 0;
         for object in self.objects.iter().flatten() {
-            let of = object.report();
-            report.flatten_time += of.flatten_time;
-            report.triangles += of.triangles;
-            report.references += of.references;
-            report.nodes += of.nodes;
-            report.leaves += of.leaves;
-            report.bytes += of.bytes;
-            report.largest_leaf = report.largest_leaf.max(of.largest_leaf);
-            deepest = deepest.max(of.depth);
+            report.add_object(object.report());
         }
         report.nodes += self.top.nodes().len();
         report.bytes += size_of_val(self.top.nodes()) + size_of_val(self.placed.as_slice());
-        report.depth = self.top.depth() + deepest;
+        report.depth += self.top.depth();
         report.sah_cost = self.top.cost();
         report.input = self.input();
         self.report = report;
@@ -150,12 +141,7 @@ impl TwoLevel {
         let mut sum = InputReport::default();
         for instance in self.instances.iter().flatten() {
             let Some(Some(object)) = self.objects.get(instance.object as usize) else { continue };
-            let of = object.report().input;
-            sum.triangles += of.triangles;
-            sum.not_finite += of.not_finite;
-            sum.out_of_range += of.out_of_range;
-            sum.degenerate += of.degenerate;
-            sum.collinear += of.collinear;
+            sum += object.report().input;
         }
         sum
     }

@@ -1,11 +1,12 @@
 //! One ray or many through both levels.
 
 use super::{SmartStack, TwoLevel};
-use crate::batch::{Batch, Keep, TraceOptions, Traced, Traversal, answer_each};
+use crate::batch::{Batch, Traced, Traversal, answer_each, trace_entries};
 use crate::bvh::StackOrder;
 use crate::bvh::walk::{AnyHit, ClosestHit, Collect};
-use crate::catalogue::{self, StructureKind};
-use crate::{CatalogueError, DeviceKind, Hit, NoProbe, PreparedRay, Probe, Query, Ray, TraceError, Walk};
+use crate::{CatalogueError, Hit, NoProbe, PreparedRay, Probe, Ray, TraceError, Walk};
+
+trace_entries!(TwoLevel, TwoLevel);
 
 impl TwoLevel {
     /// The closest hit of a ray; [`Hit::MISS`] where there is none or the ray is not valid.
@@ -43,37 +44,7 @@ impl TwoLevel {
         answer_each(rays, hits, |ray| self.any(ray));
     }
 
-    /// Traces a batch by any walk of the catalogue.
-    ///
-    /// # Errors
-    /// When the walk does not answer the query.
-    pub fn trace(
-        &self,
-        walk: Walk,
-        query: Query,
-        rays: &[Ray],
-        options: TraceOptions,
-    ) -> Result<Traced, TraceError> {
-        self.trace_batch(walk, Batch { query, rays, options, keep: None })
-    }
-
-    /// Traces a batch by any walk of the catalogue, as if the hits that `keep` does not keep were not there.
-    ///
-    /// # Errors
-    /// As [`Self::trace`].
-    pub fn trace_filtered(
-        &self,
-        walk: Walk,
-        query: Query,
-        rays: &[Ray],
-        options: TraceOptions,
-        keep: Keep<'_>,
-    ) -> Result<Traced, TraceError> {
-        self.trace_batch(walk, Batch { query, rays, options, keep: Some(keep) })
-    }
-
     fn trace_batch(&self, walk: Walk, batch: Batch<'_>) -> Result<Traced, TraceError> {
-        catalogue::check(StructureKind::TwoLevel, walk, batch.query, DeviceKind::Cpu)?;
         match walk {
             Walk::Stack(StackOrder::Ordered) => Ok(Nested(self).trace(batch)),
             Walk::BruteForce => Ok(Everything(self).trace(batch)),

@@ -85,6 +85,34 @@ pub(crate) fn visits(tree: &Tree) -> [f64; 2] {
     visits.map(|area| if whole > 0.0 { area / whole } else { 0.0 })
 }
 
+/// The triangles of the largest leaf.
+pub(crate) fn largest_leaf(tree: &Tree) -> u32 {
+    tree.nodes.iter().flat_map(|node| node.children).map(|child| child.count).max().unwrap_or(0)
+}
+
+/// Every bit of a tree.
+pub(crate) fn bits(tree: &Tree) -> Vec<u32> {
+    let mut bits = tree.order.clone();
+    for node in &tree.nodes {
+        bits.extend(node.bounds.as_flattened().iter().map(|side| side.to_bits()));
+        bits.extend(node.children.iter().flat_map(|child| [child.link, child.count]));
+    }
+    bits
+}
+
+/// Asserts that any number of threads builds the same valid tree.
+#[cfg(feature = "parallel")]
+pub(crate) fn assert_same_for_any_threads(triangles: &[FlatTriangle], build: impl Fn() -> Tree + Sync) {
+    let trees = [1, 2, 7].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(&build)
+    });
+    assert_eq!(validate(&trees[0], triangles), Ok(()));
+    for tree in &trees[1..] {
+        assert!(bits(tree) == bits(&trees[0]), "another number of threads makes another tree");
+    }
+}
+
 mod tests {
     use super::*;
     use crate::bvh8::tree::Child;
@@ -146,5 +174,16 @@ mod tests {
         assert!(validate(&tree, &triangles()).is_err(), "an empty place keeps a box");
         tree.nodes[1].set(1, &Aabb::EMPTY, Child::NOTHING);
         assert_eq!(validate(&tree, &triangles()), Err("a reference is in no leaf".to_owned()));
+    }
+
+    #[test]
+    fn trees_that_differ_in_a_bit_differ() {
+        let (mut turned, mut moved) = (tree(), tree());
+        turned.order.swap(0, 1);
+        moved.nodes[1].bounds[0][0] = -0.0;
+        assert_eq!(bits(&tree()), bits(&tree()));
+        assert_ne!(bits(&turned), bits(&tree()));
+        assert_ne!(bits(&moved), bits(&tree()));
+        assert_eq!((largest_leaf(&tree()), largest_leaf(&Tree::default())), (1, 0));
     }
 }

@@ -10,4 +10,4 @@ pub(crate) mod draft;
 pub(crate) mod extent;
 pub(crate) mod morton;
 pub(crate) mod reference;
-pub(crate) mod spatial;
+pub(crate) mod reinserted;

@@ -1,7 +1,7 @@
 //! Packing a tree compactly: each node with its leaves right behind it, in the order of the tree, and behind all of them the
 //! vertices.
 //!
-//! A block is a node of 128 bytes, its leaves, and what is missing to a whole cache line. Vertices lie in the order in which the
+//! A [block](crate::bvh8::blocks) is a node of 128 bytes, its leaves, and what is missing to a whole cache line. Vertices lie in the order in which the
 //! leaves first want them, so that those of a leaf are mostly neighbours. One thread finds out which are the same; then blocks
 //! are written side by side.
 
@@ -10,17 +10,16 @@ use super::node::CompactNode;
 use super::vertices::Vertices;
 use crate::bvh8::Form;
 use crate::bvh8::arena::{Arena, LINE};
+use crate::bvh8::blocks::{Blocks, UNIT_WORDS};
 use crate::bvh8::leaf::IndexedLeaf;
-use crate::bvh8::node::{Fan, LARGEST_ARENA, UNIT, Word};
+use crate::bvh8::node::{Fan, LARGEST_ARENA, Word};
 use crate::bvh8::order::push_order;
 use crate::bvh8::places;
 use crate::bvh8::tree::{Tree, TreeNode, WIDTH};
 use crate::memory::with_capacity;
-use crate::parallel::join;
 use crate::{BuildError, FlatTriangle};
+use std::ops::Range;
 
-/// Blocks that one thread writes.
-const SEQUENTIAL: usize = 2048;
 /// Words of a node, of a triangle in a leaf, and of a vertex.
 const NODE: usize = size_of::<CompactNode>() / 4;
 const TRIANGLE: usize = IndexedLeaf::BYTES / 4;
@@ -44,16 +43,8 @@ pub(super) fn pack(
     numbers: Option<&[u32]>,
 ) -> Result<Packed, BuildError> {
     let too_many = |what, count, limit| BuildError::TooMany { what, count, limit };
-    let mut offsets = with_capacity(tree.nodes.len());
-    let mut blocks = 0;
-    for node in &tree.nodes {
-        offsets.push((blocks / NODE_UNIT) as u32);
-        blocks += block_words(node);
-        if 4 * blocks > LARGEST_ARENA {
-            let bytes = 4 * tree.nodes.iter().map(block_words).sum::<usize>();
-            return Err(too_many("bytes of a packed tree", bytes, LARGEST_ARENA));
-        }
-    }
+    let blocks = Blocks::new(tree, block_words)
+        .map_err(|bytes| too_many("bytes of a packed tree", bytes, LARGEST_ARENA))?;
     let mut vertices = Vertices::new(triangles.len() / 2);
     let mut corners = with_capacity(tree.order.len());
     for &triangle in &tree.order {
@@ -65,21 +56,17 @@ pub(super) fn pack(
         }
     }
     let places = vertices.places().as_flattened();
-    let words = blocks + places.len() + IndexedLeaf::MARGIN / 4;
+    let words = blocks.words() + places.len() + IndexedLeaf::MARGIN / 4;
     if words > u32::MAX as usize {
         return Err(too_many("words of a packed tree", words, u32::MAX as usize));
     }
-    let mut arena = Arena::new(if blocks == 0 { 0 } else { 4 * words });
-    let (nodes, behind) = arena.words_mut().split_at_mut(blocks);
+    let mut arena = Arena::new(if tree.nodes.is_empty() { 0 } else { 4 * words });
+    let (nodes, behind) = arena.words_mut().split_at_mut(blocks.words());
     behind[..places.len()].copy_from_slice(places);
-    let packing =
-        Packing { tree, triangles, numbers, corners: &corners, offsets: &offsets, vertices: blocks as u32 };
-    packing.write(0, tree.nodes.len(), nodes);
-    Ok(Packed { arena, form: Form::Compact { vertices: blocks, count: vertices.places().len() } })
+    let packing = Packing { tree, triangles, numbers, corners: &corners, blocks: &blocks };
+    blocks.write(nodes, &|range, words| packing.write(range, words));
+    Ok(Packed { arena, form: Form::Compact { vertices: blocks.words(), count: vertices.places().len() } })
 }
-
-/// Words of a unit.
-const NODE_UNIT: usize = UNIT / 4;
 
 fn block_words(node: &TreeNode) -> usize {
     let triangles: usize = node.children.iter().map(|child| child.count as usize).sum();
@@ -93,47 +80,36 @@ struct Packing<'a> {
     numbers: Option<&'a [u32]>,
     /// The vertices of each reference.
     corners: &'a [[u32; 3]],
-    /// Where each block begins, in units.
-    offsets: &'a [u32],
-    /// The first word of the vertices.
-    vertices: u32,
+    /// Where each block begins; vertices lie behind all of them.
+    blocks: &'a Blocks,
 }
 
 impl Packing<'_> {
-    /// Writes the blocks `from..to` into their words.
-    fn write(&self, from: usize, to: usize, words: &mut [u32]) {
-        if to - from > SEQUENTIAL {
-            let middle = from + (to - from) / 2;
-            let (low, high) = words.split_at_mut(self.word_of(middle) - self.word_of(from));
-            join(|| self.write(from, middle, low), || self.write(middle, to, high));
-            return;
-        }
+    /// Writes some blocks into their words.
+    fn write(&self, range: Range<usize>, words: &mut [u32]) {
         let mut rest = words;
-        for index in from..to {
+        for index in range {
             let (block, behind) = rest.split_at_mut(block_words(&self.tree.nodes[index]));
             self.write_block(index, block);
             rest = behind;
         }
     }
 
-    fn word_of(&self, index: usize) -> usize {
-        self.offsets[index] as usize * NODE_UNIT
-    }
-
     fn write_block(&self, index: usize, block: &mut [u32]) {
         let (node, filled) = places::in_order(&self.tree.nodes[index]);
         let mut fan = Fan { children: [0; WIDTH], order: push_order(&node.bounds, filled) };
         let (head, mut leaves) = block.split_at_mut(NODE);
-        let mut place = self.word_of(index) + NODE;
+        let first_vertex = self.blocks.words() as u32;
+        let mut place = self.blocks.word_of(index) + NODE;
         for (word, child) in fan.children.iter_mut().zip(&node.children).take(filled) {
             if !child.is_leaf() {
-                *word = Word::node(self.offsets[child.link as usize]).0;
+                *word = Word::node(self.blocks.offset(child.link as usize)).0;
                 continue;
             }
-            *word = Word::leaf((place / NODE_UNIT) as u32, child.count).0;
+            *word = Word::leaf((place / UNIT_WORDS) as u32, child.count).0;
             let (leaf, behind) = leaves.split_at_mut(TRIANGLE * child.count as usize);
             for (at, entry) in (child.link as usize..).zip(leaf.chunks_exact_mut(TRIANGLE)) {
-                let [a, b, c] = self.corners[at].map(|vertex| self.vertices + VERTEX as u32 * vertex);
+                let [a, b, c] = self.corners[at].map(|vertex| first_vertex + VERTEX as u32 * vertex);
                 let triangle = self.tree.order[at] as usize;
                 let number =
                     self.numbers.map_or(self.triangles[triangle].primitive, |numbers| numbers[triangle]);

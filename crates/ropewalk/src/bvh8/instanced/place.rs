@@ -75,22 +75,13 @@ impl Instanced {
     /// Sums up the reports of the objects and of the top level.
     fn measure(&mut self) {
         let mut report = BuildReport { build_time: self.report.build_time, ..BuildReport::default() };
-        let mut deepest = 0;
         for object in &self.objects {
-            let of = object.report();
-            report.flatten_time += of.flatten_time;
-            report.triangles += of.triangles;
-            report.references += of.references;
-            report.nodes += of.nodes;
-            report.leaves += of.leaves;
-            report.bytes += of.bytes;
-            report.largest_leaf = report.largest_leaf.max(of.largest_leaf);
-            deepest = deepest.max(of.depth);
+            report.add_object(object.report());
         }
         let top = self.top.report;
         report.nodes += top.nodes;
         report.bytes += self.top.bytes() + size_of_val(self.placed.as_slice());
-        report.depth = top.depth + deepest;
+        report.depth += top.depth;
         report.sah_cost = top.sah_cost;
         report.input = self.input();
         self.report = report;
@@ -100,12 +91,7 @@ impl Instanced {
     fn input(&self) -> InputReport {
         let mut sum = InputReport::default();
         for instance in &self.instances {
-            let of = self.objects[instance.object as usize].report().input;
-            sum.triangles += of.triangles;
-            sum.not_finite += of.not_finite;
-            sum.out_of_range += of.out_of_range;
-            sum.degenerate += of.degenerate;
-            sum.collinear += of.collinear;
+            sum += self.objects[instance.object as usize].report().input;
         }
         sum
     }

@@ -55,7 +55,7 @@ impl<'a> Moved<'a> {
                     |part: &Part| (part.instance as usize, part.geometry as usize) == (index, geometry);
                 let part = parts.next_if(is_this);
                 let checked = this.place(mesh, &instance.transform, part.map(|part| part.base));
-                add(&mut this.report, &checked.report);
+                this.report += checked.report;
                 if let Some(part) = part {
                     missing = missing.or_else(|| missing_of(&part, &bvh.names, mesh, &checked.skipped));
                 }
@@ -80,7 +80,7 @@ impl<'a> Moved<'a> {
             map_chunks(&mesh.triangles, CHUNK, |first, triangles| checked(first, triangles, vertices));
         let mut all = Checked::default();
         for part in parts {
-            add(&mut all.report, &part.report);
+            all.report += part.report;
             all.skipped.extend(part.skipped);
         }
         if let Some(base) = base {
@@ -216,14 +216,6 @@ fn checked(first: usize, triangles: &[[u32; 3]], vertices: &[Vec4]) -> Checked {
         checked.skipped.push((first + index) as u32);
     }
     checked
-}
-
-fn add(sum: &mut InputReport, report: &InputReport) {
-    sum.triangles += report.triangles;
-    sum.not_finite += report.not_finite;
-    sum.out_of_range += report.out_of_range;
-    sum.degenerate += report.degenerate;
-    sum.collinear += report.collinear;
 }
 
 #[cfg(test)]

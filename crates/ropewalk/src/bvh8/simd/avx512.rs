@@ -3,7 +3,8 @@
 //! Compression goes to a register and is then stored whole: the form that stores while it compresses is microcoded on Zen 4
 //! (142 cycles a store). What is stored beyond the top of the stack is overwritten by the next push.
 
-use super::avx2::{few_triples, pushed, triples};
+use super::avx2::Avx2;
+use super::vectors::{few_triples, pushed, triples, vector_methods};
 use super::{Level, Task};
 use crate::bvh8::node::{Fan, Word};
 use crate::bvh8::tree::WIDTH;
@@ -29,12 +30,7 @@ impl Level for Avx512 {
             && is_x86_feature_detected!("avx512vl")
             && is_x86_feature_detected!("avx512bw")
             && is_x86_feature_detected!("avx512dq")
-            && is_x86_feature_detected!("avx2")
-            && is_x86_feature_detected!("fma")
-            && is_x86_feature_detected!("bmi1")
-            && is_x86_feature_detected!("bmi2")
-            && is_x86_feature_detected!("lzcnt")
-            && is_x86_feature_detected!("popcnt");
+            && Avx2::detect().is_some();
         there.then_some(Self(()))
     }
 
@@ -44,85 +40,7 @@ impl Level for Avx512 {
         unsafe { run(self, task) }
     }
 
-    #[inline(always)]
-    fn splat(self, number: f32) -> __m256 {
-        // SAFETY: the token proves that the instructions are there.
-        unsafe { _mm256_set1_ps(number) }
-    }
-
-    #[inline(always)]
-    fn row(self, row: &[f32; WIDTH]) -> __m256 {
-        // SAFETY: the token proves that the instructions are there; eight numbers are read from an array of eight.
-        unsafe { _mm256_loadu_ps(row.as_ptr()) }
-    }
-
-    #[inline(always)]
-    unsafe fn read(self, from: *const f32) -> __m256 {
-        // SAFETY: the token proves that the instructions are there; the rest is the caller's.
-        unsafe { _mm256_loadu_ps(from) }
-    }
-
-    #[inline(always)]
-    fn bytes(self, row: &[u8; WIDTH]) -> __m256 {
-        // SAFETY: the token proves that the instructions are there; eight bytes are read from an array of eight.
-        unsafe { _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(row.as_ptr().cast()))) }
-    }
-
-    #[inline(always)]
-    unsafe fn triples(self, from: [*const f32; WIDTH], axes: [u8; 3]) -> [__m256; 3] {
-        // SAFETY: the token proves that the instructions are there; the rest is the caller's.
-        unsafe { triples(from, axes) }
-    }
-
-    #[inline(always)]
-    unsafe fn few_triples(self, from: [*const f32; WIDTH / 2], axes: [u8; 3]) -> [__m256; 3] {
-        // SAFETY: the token proves that the instructions are there; the rest is the caller's.
-        unsafe { few_triples(from, axes) }
-    }
-
-    #[inline(always)]
-    fn numbers(self, floats: __m256) -> [f32; WIDTH] {
-        let mut numbers = [0.0; WIDTH];
-        // SAFETY: the token proves that the instructions are there; eight numbers are written to an array of eight.
-        unsafe { _mm256_storeu_ps(numbers.as_mut_ptr(), floats) };
-        numbers
-    }
-
-    #[inline(always)]
-    fn add(self, a: __m256, b: __m256) -> __m256 {
-        // SAFETY: the token proves that the instructions are there.
-        unsafe { _mm256_add_ps(a, b) }
-    }
-
-    #[inline(always)]
-    fn sub(self, a: __m256, b: __m256) -> __m256 {
-        // SAFETY: the token proves that the instructions are there.
-        unsafe { _mm256_sub_ps(a, b) }
-    }
-
-    #[inline(always)]
-    fn mul(self, a: __m256, b: __m256) -> __m256 {
-        // SAFETY: the token proves that the instructions are there.
-        unsafe { _mm256_mul_ps(a, b) }
-    }
-
-    #[inline(always)]
-    fn div(self, a: __m256, b: __m256) -> __m256 {
-        // SAFETY: the token proves that the instructions are there.
-        unsafe { _mm256_div_ps(a, b) }
-    }
-
-    #[inline(always)]
-    fn smaller(self, a: __m256, b: __m256) -> __m256 {
-        // SAFETY: the token proves that the instructions are there.
-        unsafe { _mm256_min_ps(a, b) }
-    }
-
-    #[inline(always)]
-    fn larger(self, a: __m256, b: __m256) -> __m256 {
-        // SAFETY: the token proves that the instructions are there.
-        unsafe { _mm256_max_ps(a, b) }
-    }
+    vector_methods!();
 
     #[inline(always)]
     fn less(self, a: __m256, b: __m256) -> __mmask8 {

@@ -16,6 +16,8 @@ mod avx512;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 mod portable;
+#[cfg(target_arch = "x86_64")]
+mod vectors;
 
 use super::node::{Fan, Word};
 use super::tree::WIDTH;

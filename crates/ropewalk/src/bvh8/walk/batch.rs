@@ -5,66 +5,34 @@ use super::interleave::{AnyGoal, ClosestGoal, FEW, Goal, Interleaved, MANY};
 use super::one_by_one::OneByOne;
 use super::packet::{self, Packets};
 use super::single::{ByForm, Place};
-use crate::batch::{Answer, Batch, Keep, TraceOptions, Traced, Traversal};
+use crate::batch::{Batch, Traced, Traversal, trace_entries};
 use crate::bvh::StackOrder;
 use crate::bvh8::Bvh8;
 use crate::bvh8::arena::Reader;
 use crate::bvh8::simd::dispatch;
-use crate::catalogue::{self, StructureKind};
 use crate::parallel::fill_chunks;
-use crate::{CatalogueError, DeviceKind, Hit, Query, Ray, TraceError, Walk};
+use crate::{CatalogueError, Hit, Query, Ray, TraceError, Walk};
 
 /// Rays that a thread takes at a time. At the end of each the slots run empty one by one, which costs about as much as
 /// two rays.
 const CHUNK: usize = packet::CHUNK;
 
+trace_entries!(Bvh8, Bvh8);
+
 impl Bvh8 {
-    /// Traces a batch by any walk of the catalogue.
-    ///
-    /// # Errors
-    /// When the walk does not answer the query.
-    pub fn trace(
-        &self,
-        walk: Walk,
-        query: Query,
-        rays: &[Ray],
-        options: TraceOptions,
-    ) -> Result<Traced, TraceError> {
-        self.trace_batch(walk, Batch { query, rays, options, keep: None })
-    }
-
-    /// Traces a batch by any walk of the catalogue, as if the hits that `keep` does not keep were not there.
-    ///
-    /// # Errors
-    /// As [`Self::trace`].
-    pub fn trace_filtered(
-        &self,
-        walk: Walk,
-        query: Query,
-        rays: &[Ray],
-        options: TraceOptions,
-        keep: Keep<'_>,
-    ) -> Result<Traced, TraceError> {
-        self.trace_batch(walk, Batch { query, rays, options, keep: Some(keep) })
-    }
-
     fn trace_batch(&self, walk: Walk, batch: Batch<'_>) -> Result<Traced, TraceError> {
-        catalogue::check(StructureKind::Bvh8, walk, batch.query, DeviceKind::Cpu)?;
-        let interleaved = batch.keep.is_none() && !batch.options.counters;
-        match (walk, batch.query) {
-            (Walk::BruteForce, _) => Ok(EveryLeaf(self).trace(batch)),
-            (Walk::Stack(StackOrder::Ordered), Query::Closest) if interleaved => {
-                let mut hits = vec![Hit::MISS; batch.rays.len()];
-                self.closest_batch(batch.rays, &mut hits);
-                Ok(Traced::uncounted(Answer::Closest(hits), batch.rays))
+        match walk {
+            Walk::BruteForce => Ok(EveryLeaf(self).trace(batch)),
+            Walk::Stack(StackOrder::Ordered) => {
+                let in_turn = batch.answered_at_once(
+                    |rays, hits| self.closest_batch(rays, hits),
+                    |rays, hits| self.any_batch(rays, hits),
+                );
+                Ok(in_turn.unwrap_or_else(|| match batch.query {
+                    Query::Closest => self.walked::<true>().trace(batch),
+                    _ => self.walked::<false>().trace(batch),
+                }))
             }
-            (Walk::Stack(StackOrder::Ordered), Query::Any) if interleaved => {
-                let mut hits = vec![false; batch.rays.len()];
-                self.any_batch(batch.rays, &mut hits);
-                Ok(Traced::uncounted(Answer::Any(hits), batch.rays))
-            }
-            (Walk::Stack(StackOrder::Ordered), Query::Closest) => Ok(self.walked::<true>().trace(batch)),
-            (Walk::Stack(StackOrder::Ordered), _) => Ok(self.walked::<false>().trace(batch)),
             // The catalogue has refused them.
             _ => Err(CatalogueError(format!("the walk '{walk}' does not go through packed trees")).into()),
         }

@@ -92,6 +92,15 @@ impl Bvh8 {
         }
     }
 
+    /// Tests every triangle. Kept out of its callers, as the walk of one ray is.
+    #[inline(never)]
+    fn test_every_leaf<'r>(&self, ray: &'r PreparedRay, sink: Named<'r, false>) -> Counters {
+        match self.place() {
+            ByForm::Full(place) => dispatch(self.level, Test { bvh: self, place, ray, sink }),
+            ByForm::Compact(place) => dispatch(self.level, Test { bvh: self, place, ray, sink }),
+        }
+    }
+
     /// The triangles, in the order of the leaves, as they stand there.
     #[must_use]
     pub fn triangles(&self) -> Vec<FlatTriangle> {
@@ -116,12 +125,7 @@ impl Traversal for EveryLeaf<'_> {
         mut probe: P,
     ) -> (C, P) {
         let sink = Named::new(&mut collect, &self.0.names);
-        let (bvh, level) = (self.0, self.0.level);
-        let counted = match bvh.place() {
-            ByForm::Full(place) => dispatch(level, Test { bvh, place, ray, sink }),
-            ByForm::Compact(place) => dispatch(level, Test { bvh, place, ray, sink }),
-        };
-        tell(&counted, &mut probe);
+        tell(&self.0.test_every_leaf(ray, sink), &mut probe);
         (collect, probe)
     }
 

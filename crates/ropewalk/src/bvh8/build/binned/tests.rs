@@ -3,7 +3,9 @@
 
 use super::grow::MAX_DEPTH;
 use super::*;
-use crate::bvh8::build::check::{validate, visits};
+#[cfg(feature = "parallel")]
+use crate::bvh8::build::check::assert_same_for_any_threads;
+use crate::bvh8::build::check::{bits, validate, visits};
 use crate::bvh8::tree::MAX_LEVELS;
 use crate::wide_bvh::{Collapse, WideBvh, Width};
 use crate::{BuildOptions, Builder as BinaryBuilder, Mesh, NoMonitor, Scene};
@@ -59,15 +61,6 @@ fn build(triangles: &[FlatTriangle], options: &BinnedOptions) -> Tree {
 }
 
 /// A tree in numbers that tell whether two are the same.
-fn bits(tree: &Tree) -> Vec<u32> {
-    let mut bits = tree.order.clone();
-    for node in &tree.nodes {
-        bits.extend(node.bounds.as_flattened().iter().map(|side| side.to_bits()));
-        bits.extend(node.children.iter().flat_map(|child| [child.link, child.count]));
-    }
-    bits
-}
-
 fn levels(tree: &Tree) -> u32 {
     let mut levels = vec![1; tree.nodes.len()];
     for (index, node) in tree.nodes.iter().enumerate() {
@@ -195,13 +188,7 @@ fn any_number_of_threads_makes_the_same_tree() {
     // Enough to bin in parallel.
     let triangles = flat(soup(100_000, 0.02, 8));
     for options in [BinnedOptions::BALANCED, BinnedOptions::FAST] {
-        let trees = [1, 2, 7].map(|threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| build(&triangles, &options))
-        });
-        assert_eq!(validate(&trees[0], &triangles), Ok(()));
-        assert_eq!(bits(&trees[0]), bits(&trees[1]));
-        assert_eq!(bits(&trees[0]), bits(&trees[2]));
+        assert_same_for_any_threads(&triangles, || build(&triangles, &options));
     }
 }
 
@@ -214,13 +201,13 @@ fn visits_of_collapsed(scene: &Scene, builder: BinaryBuilder) -> f64 {
     1.0 + area / f64::from(wide.bounds().half_area())
 }
 
-/// On surfaces less; where triangles overlap, full leaves and fewer nodes are paid for by one or two visits in a hundred.
+/// The collapsed ones have leaves of up to 4, which are more: most so where triangles overlap.
 #[test]
-fn trees_cost_no_more_than_those_of_the_other_builders() {
-    for (name, positions, [binned_margin, sweep_margin]) in [
-        ("surface", surface(120), [0.96, 0.97]),
-        ("soup", soup(20_000, 0.03, 9), [1.03, 1.04]),
-        ("crowd", soup(9_000, 0.3, 10), [1.03, 1.04]),
+fn trees_cost_less_than_those_of_the_other_builders() {
+    for (name, positions, margin) in [
+        ("surface", surface(120), 0.88),
+        ("soup", soup(20_000, 0.03, 9), 0.91),
+        ("crowd", soup(9_000, 0.3, 10), 0.59),
     ] {
         let scene = scene(positions);
         let triangles = scene.flatten().unwrap().triangles;
@@ -231,8 +218,9 @@ fn trees_cost_no_more_than_those_of_the_other_builders() {
         println!(
             "{name}: balanced {balanced:.3} fast {fast:.3}, collapsed binned {binned:.3} sweep {sweep:.3}"
         );
-        assert!(balanced < binned_margin * binned && balanced < sweep_margin * sweep, "{name}: {balanced}");
-        assert!(fast < 1.1 * balanced, "{name}: larger leaves are fewer: {fast}");
+        let other = f64::min(binned, sweep);
+        assert!(balanced < margin * other, "{name}: {balanced} of {other}");
+        assert!(balanced < fast && fast < 1.07 * balanced, "{name}: balanced {balanced}, fast {fast}");
     }
 }
 

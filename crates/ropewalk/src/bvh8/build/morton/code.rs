@@ -75,7 +75,7 @@ const fn spread(cell: u32) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bvh8::build::spatial::tests::flat;
+    use crate::bvh8::build::reinserted::tests::flat;
     use glam::Vec3;
 
     #[test]

@@ -4,10 +4,10 @@
 //! ([`radix`]). The sorted list is halved at the planes of the curve down to treelets of at most 32 triangles, which make a
 //! binary tree (Lauterbach et al. 2009), and of each treelet the best way to cut it into leaves is found by dynamic
 //! programming ([`treelet`], [`cuts`]). At last the tree is collapsed to eight-wide nodes where that costs least, as in
-//! [`super::spatial`]; a treelet becomes a node of leaves, or leaves in the node above it.
+//! [`super::reinserted`]; a treelet becomes a node of leaves, or leaves in the node above it.
 //!
 //! Measured on 2026-11-22 on an AMD EPYC (family 26), one thread, processor time, leaves of up to 4; the cost is by the model
-//! of [`super::spatial::cost`], beside that of the binned SAH builder of binary trees with the same collapse:
+//! of [`super::reinserted::cost`], beside that of the binned SAH builder of binary trees with the same collapse:
 //!
 //! | scene | ms | cost | binned: ms | cost |
 //! |---|---|---|---|---|
@@ -32,7 +32,7 @@ mod radix;
 mod tests;
 mod treelet;
 
-use super::spatial::collapse::collapse;
+use super::reinserted::collapse::collapse;
 use crate::bvh8::tree::{LARGEST_LEAF, Tree};
 use crate::{BuildError, FlatTriangle, Monitor};
 use treelet::Treelets;

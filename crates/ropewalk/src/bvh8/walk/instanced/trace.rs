@@ -4,7 +4,7 @@ use super::alone::{Each, One};
 use super::find::{Find, FindAny, FindClosest, FindFor, Goal};
 use super::levels::Levels;
 use super::many::Many;
-use crate::batch::{Answer, Batch, Keep, TraceOptions, Traced, Traversal};
+use crate::batch::{Batch, Traced, Traversal, trace_entries};
 use crate::bvh::StackOrder;
 use crate::bvh::walk::Collect;
 use crate::bvh8::Instanced;
@@ -24,6 +24,8 @@ const CHUNK: usize = 4096;
 const LARGE: usize = 24 << 20;
 /// Rays in turn.
 const SLOTS: usize = 8;
+
+trace_entries!(Instanced, Instanced);
 
 impl Instanced {
     /// The closest hit of a ray; [`Hit::MISS`] where there is none or the ray is not valid.
@@ -61,59 +63,21 @@ impl Instanced {
         self.many::<FindAny>(rays, hits);
     }
 
-    /// Traces a batch by the walk with a stack or by brute force.
-    ///
-    /// # Errors
-    /// When the walk is another one.
-    pub fn trace(
-        &self,
-        walk: Walk,
-        query: Query,
-        rays: &[Ray],
-        options: TraceOptions,
-    ) -> Result<Traced, TraceError> {
-        self.trace_batch(walk, Batch { query, rays, options, keep: None })
-    }
-
-    /// Traces a batch by the walk with a stack or by brute force, as if the hits that `keep` does not keep were not there.
-    ///
-    /// # Errors
-    /// As [`Self::trace`].
-    pub fn trace_filtered(
-        &self,
-        walk: Walk,
-        query: Query,
-        rays: &[Ray],
-        options: TraceOptions,
-        keep: Keep<'_>,
-    ) -> Result<Traced, TraceError> {
-        self.trace_batch(walk, Batch { query, rays, options, keep: Some(keep) })
-    }
-
     fn trace_batch(&self, walk: Walk, batch: Batch<'_>) -> Result<Traced, TraceError> {
-        let in_turn = batch.keep.is_none() && !batch.options.counters;
-        match (walk, batch.query) {
-            (Walk::BruteForce, _) => Ok(Everything(self).trace(batch)),
-            (Walk::Stack(StackOrder::Ordered), Query::Closest) if in_turn => {
-                let mut hits = vec![Hit::MISS; batch.rays.len()];
-                self.closest_batch(batch.rays, &mut hits);
-                Ok(Traced::uncounted(Answer::Closest(hits), batch.rays))
-            }
-            (Walk::Stack(StackOrder::Ordered), Query::Any) if in_turn => {
-                let mut hits = vec![false; batch.rays.len()];
-                self.any_batch(batch.rays, &mut hits);
-                Ok(Traced::uncounted(Answer::Any(hits), batch.rays))
-            }
-            (Walk::Stack(StackOrder::Ordered), Query::Closest) => Ok(Both::<true>(self).trace(batch)),
-            (Walk::Stack(StackOrder::Ordered), _) => Ok(Both::<false>(self).trace(batch)),
-            _ => {
-                let what = format!(
-                    "the walk '{walk}' does not go through instances of packed trees; these do: {}, {}",
-                    Walk::Stack(StackOrder::Ordered),
-                    Walk::BruteForce
+        match walk {
+            Walk::BruteForce => Ok(Everything(self).trace(batch)),
+            Walk::Stack(StackOrder::Ordered) => {
+                let in_turn = batch.answered_at_once(
+                    |rays, hits| self.closest_batch(rays, hits),
+                    |rays, hits| self.any_batch(rays, hits),
                 );
-                Err(CatalogueError(what).into())
+                Ok(in_turn.unwrap_or_else(|| match batch.query {
+                    Query::Closest => Both::<true>(self).trace(batch),
+                    _ => Both::<false>(self).trace(batch),
+                }))
             }
+            // The catalogue has refused them.
+            _ => Err(CatalogueError(format!("the walk '{walk}' does not go through instances")).into()),
         }
     }
 

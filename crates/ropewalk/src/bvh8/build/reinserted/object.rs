@@ -25,14 +25,6 @@ pub(super) struct ObjectSplit {
     pub(super) cost: f32,
 }
 
-impl ObjectSplit {
-    /// Half the surface area of what the boxes of both sides have in common; 0 where that is nothing.
-    pub(super) fn overlap(&self) -> f32 {
-        let common = self.bounds[0].intersection(self.bounds[1]);
-        if common.is_empty() { 0.0 } else { common.half_area() }
-    }
-}
-
 #[derive(Clone, Copy)]
 struct Bin {
     bounds: Extent,

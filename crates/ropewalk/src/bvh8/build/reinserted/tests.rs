@@ -1,6 +1,5 @@
-use super::check::{Summary, check};
-use super::{SpatialOptions, build_spatial};
-use crate::bvh8::tree::Tree;
+use super::{ReinsertedOptions, build_reinserted};
+use crate::bvh8::build::check::{largest_leaf, validate, visits};
 use crate::{BuildError, BuildOptions, Builder, FlatTriangle, Mesh, NoMonitor, Scene};
 use glam::Vec3;
 use std::ops::ControlFlow;
@@ -69,24 +68,17 @@ pub(in crate::bvh8) fn hard_cases() -> Vec<(&'static str, Vec<FlatTriangle>)> {
     ]
 }
 
-fn summary(tree: &Tree, triangles: &[FlatTriangle]) -> Summary {
-    check(tree, triangles).unwrap()
-}
-
 #[test]
 fn trees_are_valid_whatever_comes() {
     for (name, triangles) in hard_cases() {
         for options in [
-            SpatialOptions::default(),
-            SpatialOptions { max_leaf: 1, smallest_split: 1, duplication: 400, reinsertion: 3 },
-            SpatialOptions { max_leaf: 8, smallest_split: 8, duplication: 100, reinsertion: 0 },
-            SpatialOptions { duplication: 30, ..SpatialOptions::default() },
+            ReinsertedOptions::default(),
+            ReinsertedOptions { max_leaf: 1, smallest_split: 1, reinsertion: 3 },
+            ReinsertedOptions { max_leaf: 8, smallest_split: 8, reinsertion: 0 },
         ] {
-            let tree = build_spatial(&triangles, &options, &NoMonitor).unwrap();
-            let found = check(&tree, &triangles).unwrap_or_else(|what| panic!("{name}, {options:?}: {what}"));
-            assert!(found.largest_leaf <= options.max_leaf, "{name}, {options:?}");
-            let most = triangles.len() + triangles.len() * options.duplication as usize / 100;
-            assert!(found.references <= most, "{name}, {options:?}: {}", found.references);
+            let tree = build_reinserted(&triangles, &options, &NoMonitor).unwrap();
+            assert_eq!(validate(&tree, &triangles), Ok(()), "{name}, {options:?}");
+            assert!(largest_leaf(&tree) <= options.max_leaf, "{name}, {options:?}");
         }
     }
 }
@@ -94,32 +86,17 @@ fn trees_are_valid_whatever_comes() {
 #[test]
 fn one_leaf_is_one_node_with_one_child() {
     let triangles = soup(4, 3, 1.0);
-    let tree = build_spatial(&triangles, &SpatialOptions::default(), &NoMonitor).unwrap();
+    let tree = build_reinserted(&triangles, &ReinsertedOptions::default(), &NoMonitor).unwrap();
     assert_eq!((tree.nodes.len(), tree.nodes[0].len(), tree.nodes[0].children[0].count), (1, 1, 4));
 }
 
+#[cfg(feature = "parallel")]
 #[test]
-fn the_tree_does_not_depend_on_the_number_of_threads() {
-    // Large enough for every parallel path, and with spatial splits.
+fn any_number_of_threads_makes_the_same_tree() {
+    // Large enough for every parallel path.
     let triangles = soup(90_000, 5, 0.6);
-    let options = SpatialOptions { duplication: 30, ..SpatialOptions::default() };
-    let build = || build_spatial(&triangles, &options, &NoMonitor).unwrap();
-    let first = build();
-    assert!(first.order.len() > triangles.len());
-    summary(&first, &triangles);
-    #[cfg(feature = "parallel")]
-    for threads in [1, 2, 7] {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let other = pool.install(build);
-        assert_eq!(first.order, other.order, "{threads}");
-        let bytes = |tree: &Tree| -> Vec<_> {
-            tree.nodes
-                .iter()
-                .map(|node| (node.bounds.map(|row| row.map(f32::to_bits)), node.children))
-                .collect()
-        };
-        assert!(bytes(&first) == bytes(&other), "{threads}");
-    }
+    let build = || build_reinserted(&triangles, &ReinsertedOptions::default(), &NoMonitor).unwrap();
+    crate::bvh8::build::check::assert_same_for_any_threads(&triangles, build);
 }
 
 /// Against the binary SBVH builder with sweeps and the collapse of least cost, by the same model.
@@ -127,8 +104,7 @@ fn the_tree_does_not_depend_on_the_number_of_threads() {
 fn it_costs_no_more_than_the_slow_builder() {
     for (seed, size) in [(1, 0.1), (2, 0.5), (3, 2.0)] {
         let triangles = soup(3000, seed, size);
-        let ours = build_spatial(&triangles, &SpatialOptions::default(), &NoMonitor).unwrap();
-        let ours = summary(&ours, &triangles);
+        let ours = build_reinserted(&triangles, &ReinsertedOptions::default(), &NoMonitor).unwrap();
         let options = BuildOptions {
             builder: Builder::Sbvh,
             duplication: 30,
@@ -137,22 +113,21 @@ fn it_costs_no_more_than_the_slow_builder() {
         };
         let (nodes, order) = crate::bvh::tree_over(&triangles, &options, &NoMonitor).unwrap();
         let theirs = super::collapse::collapse(&nodes, 4, &super::Plain { order: &order });
-        let theirs = summary(&theirs, &triangles);
-        assert!(ours.cost <= theirs.cost * 1.03, "{seed} {size}: {ours:?} {theirs:?}");
+        let [ours, theirs] = [ours, theirs].map(|tree| visits(&tree).iter().sum::<f64>());
+        assert!(ours <= theirs * 1.03, "{seed} {size}: {ours} {theirs}");
     }
 }
 
 #[test]
 fn options_out_of_range_are_named() {
     let wrong = [
-        (SpatialOptions { max_leaf: 9, ..SpatialOptions::default() }, "max-leaf"),
-        (SpatialOptions { max_leaf: 0, ..SpatialOptions::default() }, "max-leaf"),
-        (SpatialOptions { max_leaf: 3, ..SpatialOptions::default() }, "smallest-split"),
-        (SpatialOptions { duplication: 401, ..SpatialOptions::default() }, "duplication"),
-        (SpatialOptions { reinsertion: 33, ..SpatialOptions::default() }, "reinsertion"),
+        (ReinsertedOptions { max_leaf: 9, ..ReinsertedOptions::default() }, "max-leaf"),
+        (ReinsertedOptions { max_leaf: 0, ..ReinsertedOptions::default() }, "max-leaf"),
+        (ReinsertedOptions { max_leaf: 3, ..ReinsertedOptions::default() }, "smallest-split"),
+        (ReinsertedOptions { reinsertion: 33, ..ReinsertedOptions::default() }, "reinsertion"),
     ];
     for (options, name) in wrong {
-        let error = build_spatial(&[], &options, &NoMonitor).unwrap_err();
+        let error = build_reinserted(&[], &options, &NoMonitor).unwrap_err();
         assert!(matches!(error, BuildError::Option { option, .. } if option == name), "{error}");
     }
 }
@@ -161,6 +136,6 @@ fn options_out_of_range_are_named() {
 fn a_monitor_can_cancel() {
     let triangles = soup(20_000, 9, 0.1);
     let stop = |_: usize, _: usize| ControlFlow::Break(());
-    let error = build_spatial(&triangles, &SpatialOptions::default(), &stop).unwrap_err();
+    let error = build_reinserted(&triangles, &ReinsertedOptions::default(), &stop).unwrap_err();
     assert_eq!(error, BuildError::Cancelled);
 }

@@ -1,16 +1,12 @@
 //! The builder of the preset `high`: the tree of least expected cost for closest hits.
 //!
-//! Three steps. A binary tree is made from the top down, by object splits and, where the children of the best one
-//! overlap, spatial splits ([`builder`]). Subtrees then move to where they make the boxes above them smaller
-//! ([`crate::bvh::build::reinsertion`]). At last the tree is collapsed to eight-wide nodes, and small subtrees to
+//! Three steps. A binary tree is made from the top down, by object splits ([`builder`]). Subtrees then move to where they make the
+//! boxes above them smaller ([`crate::bvh::build::reinsertion`]). At last the tree is collapsed to eight-wide nodes, and small subtrees to
 //! leaves, where that costs least ([`collapse`]).
-//!
-//! What a triangle's part is on either side of a spatial split, and why no hit changes by it, stands in
-//! [`crate::bvh::build`]'s SBVH builder: boxes are cut, not triangles.
 //!
 //! Each step is the same for any number of threads, so the tree is.
 //!
-//! **Spatial splits are off** unless they are asked for: after reinsertion cut boxes have next to nothing left to gain.
+//! **No spatial splits**: after reinsertion cut boxes have next to nothing left to gain.
 //! Measured on 2026-11-22 on an AMD EPYC (family 26), one thread, least processor time, leaves of up to 4, costs by the model
 //! of [`cost`]; beside it binary trees of the binned builder and of the SBVH builder with 2 rounds, with the same collapse:
 //!
@@ -30,13 +26,10 @@
 //! 16.6 with 60 percent, and 12.5 as it stands (30 percent, 2 rounds).
 
 pub(in crate::bvh8) mod builder;
-#[cfg(test)]
-pub(in crate::bvh8) mod check;
 pub(in crate::bvh8) mod collapse;
 pub(in crate::bvh8) mod cost;
 mod leaves;
 mod object;
-mod planes;
 #[cfg(test)]
 pub(in crate::bvh8) mod tests;
 
@@ -46,27 +39,24 @@ use crate::bvh8::tree::{LARGEST_LEAF, Tree};
 use crate::{BuildError, FlatTriangle, Monitor};
 use collapse::Plain;
 
-/// The knobs of [`build_spatial`].
+/// The knobs of [`build_reinserted`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct SpatialOptions {
+pub(crate) struct ReinsertedOptions {
     /// The most triangles in a leaf, 1 to 8.
     pub(crate) max_leaf: u32,
     /// So many references are not told apart by planes, 1 to `max_leaf`; the collapse merges what that leaves, where it pays.
     pub(crate) smallest_split: u32,
-    /// The most references that spatial splits may add, in percent of the triangles, 0 to 400.
-    pub(crate) duplication: u32,
     /// Rounds of reinsertion, 0 to 32.
     pub(crate) reinsertion: u32,
 }
 
-impl Default for SpatialOptions {
-    /// Without spatial splits: see [`super::spatial`].
+impl Default for ReinsertedOptions {
     fn default() -> Self {
-        Self { max_leaf: 8, smallest_split: 4, duplication: 0, reinsertion: 3 }
+        Self { max_leaf: 8, smallest_split: 4, reinsertion: 3 }
     }
 }
 
-impl SpatialOptions {
+impl ReinsertedOptions {
     fn check(&self) -> Result<(), BuildError> {
         let range = |option, value: u32, smallest: u32, largest: u32| {
             if (smallest..=largest).contains(&value) {
@@ -77,7 +67,6 @@ impl SpatialOptions {
         };
         range("max-leaf", self.max_leaf, 1, LARGEST_LEAF)?;
         range("smallest-split", self.smallest_split, 1, self.max_leaf)?;
-        range("duplication", self.duplication, 0, BuildOptions::MAX_DUPLICATION)?;
         range("reinsertion", self.reinsertion, 0, BuildOptions::MAX_REINSERTION)
     }
 }
@@ -86,13 +75,13 @@ impl SpatialOptions {
 ///
 /// # Errors
 /// When an option is out of range, or the monitor cancels.
-pub(crate) fn build_spatial(
+pub(crate) fn build_reinserted(
     triangles: &[FlatTriangle],
-    options: &SpatialOptions,
+    options: &ReinsertedOptions,
     monitor: &dyn Monitor,
 ) -> Result<Tree, BuildError> {
     options.check()?;
-    let (mut nodes, mut order) = builder::build(triangles, options, monitor)?;
+    let (mut nodes, mut order) = builder::build(triangles, options.smallest_split, monitor)?;
     if options.reinsertion > 0 {
         let moves = BuildOptions {
             max_depth: MAX_DEPTH,

@@ -1,9 +1,7 @@
 //! The collapse: from a binary tree to eight-wide nodes, with small subtrees merged into leaves, where that costs least
 //! ([`super::cost`]).
 //!
-//! Nodes come out in depth-first order, a node's own leaves before those of its subtrees. A triangle that stands in
-//! several leaves of a merged subtree stands in the merged leaf once: there it is in the leaf's box as a whole, as far
-//! as any of its parts were.
+//! Nodes come out in depth-first order, a node's own leaves before those of its subtrees.
 //!
 //! Large subtrees are collapsed side by side and put behind each other, so the tree is the same for any number of
 //! threads. Linear in the nodes.
@@ -241,12 +239,7 @@ impl<B: Bottom> Collapse<'_, B> {
         for leaf in self.nodes[index as usize..].iter().filter(|node| node.is_leaf()) {
             let references = self.bottom.references(leaf);
             left = left.saturating_sub(references.len());
-            for reference in references {
-                let triangle = self.bottom.triangle(reference);
-                if !order[first..].contains(&triangle) {
-                    order.push(triangle);
-                }
-            }
+            order.extend(references.map(|reference| self.bottom.triangle(reference)));
             if left == 0 {
                 break;
             }
