@@ -35,11 +35,12 @@ pub(crate) fn fill_chunks<T: Send>(output: &mut [T], chunk: usize, fill: impl Fn
 
 #[cfg(feature = "parallel")]
 fn fill_parts<T: Send>(output: &mut [T], chunk: usize, fill: &(dyn Fn(usize, &mut [T]) + Sync)) {
-    let parts = output.chunks_mut(chunk).enumerate();
+    let parts = output.chunks_mut(chunk);
     if parts.len() <= 1 {
-        return parts.for_each(|(_, part)| fill(0, part));
+        return parts.for_each(|part| fill(0, part));
     }
-    run(parts.map(|(index, part)| -> Work<'_> { Box::new(move || fill(index * chunk, part)) }).collect());
+    let work = |(index, part)| -> Work<'_> { Box::new(move || fill(index * chunk, part)) };
+    run(parts.enumerate().map(work).collect());
 }
 
 /// Fills `output` in chunks of at most `chunk` elements; `fill` gets the index of its chunk's first element.
@@ -60,13 +61,13 @@ pub(crate) fn map_chunks<T: Sync, R: Send>(
 
 #[cfg(feature = "parallel")]
 fn map_parts<T: Sync, R: Send>(input: &[T], chunk: usize, map: &(dyn Fn(usize, &[T]) -> R + Sync)) -> Vec<R> {
-    let parts = input.chunks(chunk).enumerate();
+    let parts = input.chunks(chunk);
     if parts.len() <= 1 {
-        return parts.map(|(_, part)| map(0, part)).collect();
+        return parts.map(|part| map(0, part)).collect();
     }
     let mut values: Vec<Option<R>> = std::iter::repeat_with(|| None).take(parts.len()).collect();
     let mut work: Vec<Work<'_>> = Vec::with_capacity(values.len());
-    for ((index, part), value) in parts.zip(&mut values) {
+    for ((index, part), value) in parts.enumerate().zip(&mut values) {
         work.push(Box::new(move || *value = Some(map(index * chunk, part))));
     }
     run(work);
