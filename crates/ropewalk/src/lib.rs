@@ -39,6 +39,7 @@ mod monitor;
 mod parallel;
 pub mod point;
 mod probe;
+mod processor;
 mod progress;
 mod query;
 pub mod ray;

@@ -11,6 +11,10 @@ use ropewalk_testkit::conformance::{Accuracy, Device, RowResult, Suite};
 /// Entries of a stack that is large enough for nearly all cases.
 const USUAL_STACK: u32 = 64;
 
+/// On lavapipe a pass of 1,656 rays takes 8.5 ms, and there are 17,572 of them over trees, most of restart trails: in turns it is
+/// about half of that.
+const TURNS: usize = 3;
+
 /// Tracers with the structure that the suite prepared last.
 struct Judged {
     /// With a stack of the size that the structure needs: each size is another kernel.
@@ -82,7 +86,9 @@ fn conform(kinds: &[StructureKind]) {
         let accuracy = if machine.is_exact() { Accuracy::Exact } else { Accuracy::Relaxed };
         let usual = machine.tracer(|options| options.stack_entries = Some(USUAL_STACK));
         let mut judged = Judged { fitting: machine.trusted.clone(), usual, structure: None };
-        let report = Suite::new(accuracy).run(&rows, &mut judged, &mut |_, _| {});
+        // What a software adapter computes to the bit, the CPU's twin has been judged by on all pairs.
+        let turns = if machine.is_exact() { TURNS } else { 1 };
+        let report = Suite::new(accuracy).in_turns(turns).run(&rows, &mut judged, &mut |_, _| {});
         assert!(report.is_passed(), "{report}");
         let has_heads = |row: &&RowResult| row.from_heads > 0;
         let wanted = if kinds.contains(&StructureKind::List) { 8 } else { 0 };

@@ -33,6 +33,7 @@ mod registers;
 pub mod relations;
 mod report;
 mod short_stacks;
+mod turns;
 mod work;
 
 pub use registers::refusal;
@@ -45,8 +46,9 @@ use checks::{Bench, Run};
 use rayon::prelude::*;
 use ropewalk::catalogue::Row;
 use ropewalk::traversal_list::Starts;
-use ropewalk::{Query, Ray, Structure, StructureSpec, TraceOptions, Traced, Walk};
+use ropewalk::{Query, Ray, Structure, TraceOptions, Traced, Walk};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use turns::Turns;
 
 /// What is judged: something that traces batches through a structure.
 pub trait Device {
@@ -135,6 +137,7 @@ pub enum Accuracy {
 pub struct Suite {
     cases: Vec<Judged>,
     accuracy: Accuracy,
+    turns: usize,
 }
 
 /// A case with its oracle.
@@ -161,7 +164,15 @@ impl Suite {
             let oracle = Oracle::new(&case.scene.flatten().unwrap_or_default()).with_rounding(rounding);
             Judged { expectation: oracle.expect(case.rays.clone()), oracle, case }
         };
-        Self { cases: cases.into_iter().map(judge).collect(), accuracy }
+        Self { cases: cases.into_iter().map(judge).collect(), accuracy, turns: 1 }
+    }
+
+    /// The same with fewer pairs of walks and structures, for devices on which a pass is dear: of each kind of structure, walks other
+    /// than the default one are judged on one of `turns` structures only, in each case on others. Each is still judged in every case
+    /// and on every structure.
+    #[must_use]
+    pub fn in_turns(self, turns: usize) -> Self {
+        Self { turns, ..self }
     }
 
     /// The number of cases.
@@ -179,7 +190,7 @@ impl Suite {
     ) -> Report {
         let mut report = Report::new(rows);
         for (done, judged) in self.cases.iter().enumerate() {
-            report.add(self.run_case(judged, rows, device));
+            report.add(self.run_case(done, judged, rows, device));
             progress(done + 1, self.cases.len());
         }
         report
@@ -193,8 +204,9 @@ impl Suite {
             .cases
             .par_iter()
             .with_max_len(1)
-            .map(|judged| {
-                let report = self.run_case(judged, rows, &mut Cpu::default());
+            .enumerate()
+            .map(|(index, judged)| {
+                let report = self.run_case(index, judged, rows, &mut Cpu::default());
                 progress(done.fetch_add(1, Ordering::Relaxed) + 1, self.cases.len());
                 report
             })
@@ -205,30 +217,23 @@ impl Suite {
         })
     }
 
-    fn run_case(&self, judged: &Judged, rows: &[Row], device: &mut dyn Device) -> Report {
+    fn run_case(&self, index: usize, judged: &Judged, rows: &[Row], device: &mut dyn Device) -> Report {
         let mut bench = Bench::new(judged, self.accuracy, rows);
-        for structure in distinct_structures(rows) {
+        let turns = Turns::new(rows, self.turns);
+        for structure in turns.structures() {
+            let mut asked =
+                (0..rows.len()).filter(|&row| rows[row].structure == structure).collect::<Vec<_>>();
+            asked.retain(|&row| turns.is_due(&rows[row], index));
             for tree in judged.case.trees(structure) {
-                judge(&mut bench, structure, tree, device);
+                judge(&mut bench, &asked, tree, device);
             }
         }
         bench.finish()
     }
 }
 
-fn distinct_structures(rows: &[Row]) -> Vec<StructureSpec> {
-    let mut structures: Vec<StructureSpec> = Vec::new();
-    for row in rows {
-        if !structures.contains(&row.structure) {
-            structures.push(row.structure);
-        }
-    }
-    structures
-}
-
-/// Judges all rows of one structure, over one tree.
-fn judge(bench: &mut Bench<'_>, of: StructureSpec, tree: Tree, device: &mut dyn Device) {
-    let rows: Vec<usize> = (0..bench.rows.len()).filter(|&row| bench.rows[row].structure == of).collect();
+/// Judges rows of one structure, over one tree.
+fn judge(bench: &mut Bench<'_>, rows: &[usize], tree: Tree, device: &mut dyn Device) {
     let prepared = tree.build(&bench.judged.case).and_then(|structure| {
         checks::structure(&structure, tree.spec, &bench.judged.case)?;
         device.prepare(&structure)?;
@@ -242,7 +247,7 @@ fn judge(bench: &mut Bench<'_>, of: StructureSpec, tree: Tree, device: &mut dyn 
         }
     };
     let mut runs = Vec::new();
-    for row in rows {
+    for &row in rows {
         let Row { walk, query, .. } = bench.rows[row];
         let mut trace =
             |counters| device.trace(walk, query, &bench.judged.case.rays, TraceOptions { counters });

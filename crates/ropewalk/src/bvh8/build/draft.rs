@@ -91,6 +91,7 @@ impl Draft {
         self.second = second;
     }
 
+    #[inline(always)]
     fn area(&self) -> f32 {
         let [x, y, z, to_x, to_y, to_z] = self.corners;
         let [x, y, z] = [to_x - x, to_y - y, to_z - z];
@@ -134,6 +135,7 @@ fn spreads(low: &[f32; ROWS], high: &[f32; ROWS]) -> [f32; ROWS] {
 
 impl Collapse<'_> {
     /// Finds the costs of all drafts.
+    #[inline(always)]
     pub(crate) fn weigh(&mut self) {
         for index in (0..self.drafts.len()).rev() {
             let draft = &self.drafts[index];
@@ -159,6 +161,7 @@ impl Collapse<'_> {
         }
     }
 
+    #[inline(always)]
     fn spreads(&self, index: usize) -> [f32; ROWS] {
         let second = self.drafts[index].second as usize;
         spreads(&self.drafts[index + 1].costs, &self.drafts[second].costs)

@@ -3,6 +3,7 @@
 use super::extent::Extent;
 use crate::memory::with_capacity;
 use crate::parallel::{extend, map_chunks};
+use crate::processor::Processor;
 use crate::{Aabb, FlatTriangle};
 
 /// As many references are measured by one thread, some hundredths of a millisecond, without an allocation.
@@ -73,16 +74,24 @@ impl Part {
     pub(crate) const EMPTY: Self = Self { bounds: Extent::EMPTY, centers: Extent::EMPTY };
 
     pub(crate) fn measure(references: &[Reference]) -> Self {
+        let processor = Processor::detect();
+        let of_chunk = |chunk: &[Reference]| {
+            processor.run(
+                #[inline(always)]
+                || Self::of_chunk(chunk),
+            )
+        };
         if references.len() <= CHUNK {
-            return Self::of_chunk(references);
+            return of_chunk(references);
         }
-        let chunks = map_chunks(references, CHUNK, |_, chunk| Self::of_chunk(chunk));
+        let chunks = map_chunks(references, CHUNK, |_, chunk| of_chunk(chunk));
         chunks.into_iter().fold(Self::EMPTY, |a, b| Self {
             bounds: a.bounds.union(b.bounds),
             centers: a.centers.union(b.centers),
         })
     }
 
+    #[inline(always)]
     fn of_chunk(references: &[Reference]) -> Self {
         let mut part = Self::EMPTY;
         for reference in references {

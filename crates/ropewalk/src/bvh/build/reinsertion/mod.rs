@@ -63,6 +63,7 @@ mod tree;
 
 use crate::bvh::{BuildOptions, Node};
 use crate::parallel::{fill_chunks, map_chunks};
+use crate::processor::Processor;
 use crate::{BuildError, Monitor};
 use moving::Mover;
 use search::{Move, Search, promise};
@@ -91,7 +92,20 @@ pub(crate) fn optimise<T: Copy>(
     options: &BuildOptions,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Node>, BuildError> {
-    let Some(mut rounds) = Rounds::new(nodes, options.max_depth) else { return Ok(nodes.to_vec()) };
+    optimise_at(nodes, references, options, monitor, Processor::detect())
+}
+
+/// The same with less than the processor can do.
+pub(crate) fn optimise_at<T: Copy>(
+    nodes: &[Node],
+    references: &mut Vec<T>,
+    options: &BuildOptions,
+    monitor: &dyn Monitor,
+    processor: Processor,
+) -> Result<Vec<Node>, BuildError> {
+    let Some(mut rounds) = Rounds::new(nodes, options.max_depth, processor) else {
+        return Ok(nodes.to_vec());
+    };
     let total = references.len();
     for _ in 0..options.reinsertion {
         if monitor.progress(total, total).is_break() {
@@ -115,6 +129,7 @@ struct Rounds {
     /// The share of the nodes that the next round searches places for.
     share: f64,
     ranked: Vec<Ranked>,
+    processor: Processor,
 }
 
 /// A node and the worth of a search for it.
@@ -126,7 +141,7 @@ struct Ranked {
 
 impl Rounds {
     /// `None` where no move is possible or none can be told to be one.
-    fn new(nodes: &[Node], max_depth: u32) -> Option<Self> {
+    fn new(nodes: &[Node], max_depth: u32, processor: Processor) -> Option<Self> {
         // Two leaves have one place each.
         let root_area = nodes.first().filter(|_| nodes.len() > 3)?.bounds().half_area();
         if !(root_area > 0.0 && root_area.is_finite()) {
@@ -140,7 +155,8 @@ impl Rounds {
             .sum();
         let tree = Tree::new(nodes);
         let ranked = vec![Ranked::default(); tree.slots().len()];
-        Some(Self { tree, mover: Mover::new(max_depth, f64::from(least)), least, cost, share: SHARE, ranked })
+        let mover = Mover::new(max_depth, f64::from(least));
+        Some(Self { tree, mover, least, cost, share: SHARE, ranked, processor })
     }
 
     /// Makes a round; `Break` when no further one can gain anything.
@@ -152,12 +168,7 @@ impl Rounds {
         for _ in 0..PASSES {
             let moves = self.search(&slots);
             slots.clear();
-            for one in moves {
-                match self.mover.apply(&mut self.tree, one) {
-                    Some(gained) => gain += gained,
-                    None => slots.push(one.moved),
-                }
-            }
+            gain += self.make(moves, &mut slots);
             if slots.is_empty() {
                 break;
             }
@@ -172,16 +183,40 @@ impl Rounds {
         ControlFlow::Continue(())
     }
 
+    /// Makes moves and tells what they gain; adds the subtrees whose moves are refused.
+    fn make(&mut self, moves: Vec<Move>, refused: &mut Vec<u32>) -> f64 {
+        let Self { tree, mover, processor, .. } = self;
+        processor.run(
+            #[inline(always)]
+            || {
+                let mut gain = 0.0;
+                for one in moves {
+                    match mover.apply(tree, one) {
+                        Some(gained) => gain += gained,
+                        None => refused.push(one.moved),
+                    }
+                }
+                gain
+            },
+        )
+    }
+
     /// The up to `wanted` nodes for which a search is worth most, by slot.
     fn most_promising(&mut self, wanted: usize) -> Vec<u32> {
-        let (tree, least, first_slot) = (&self.tree, self.least, self.tree.slots().start);
+        let (tree, least, first_slot, processor) =
+            (&self.tree, self.least, self.tree.slots().start, self.processor);
         fill_chunks(&mut self.ranked, CHUNK * 16, |first, part| {
-            for (place, slot) in part.iter_mut().zip(first_slot + first as u32..) {
-                let promise = promise(tree, slot);
-                // A small subtree is more likely to find a place that keeps the promise.
-                let worth = if promise > least { promise / tree.area(slot).sqrt() } else { 0.0 };
-                *place = Ranked { worth, slot };
-            }
+            processor.run(
+                #[inline(always)]
+                || {
+                    for (place, slot) in part.iter_mut().zip(first_slot + first as u32..) {
+                        let promise = promise(tree, slot);
+                        // A small subtree is more likely to find a place that keeps the promise.
+                        let worth = if promise > least { promise / tree.area(slot).sqrt() } else { 0.0 };
+                        *place = Ranked { worth, slot };
+                    }
+                },
+            );
         });
         let ranked = match wanted.checked_sub(1).filter(|&last| last < self.ranked.len()) {
             None => &self.ranked[..],
@@ -200,8 +235,16 @@ impl Rounds {
     /// The best moves of some subtrees, the largest gain first.
     fn search(&self, slots: &[u32]) -> Vec<Move> {
         let found = map_chunks(slots, CHUNK, |_, part| {
-            let mut search = Search::new(&self.tree);
-            part.iter().filter_map(|&slot| search.best_move(slot, self.least)).collect::<Vec<_>>()
+            let (mut search, mut moves) = (Search::new(&self.tree), Vec::new());
+            self.processor.run(
+                #[inline(always)]
+                || {
+                    for &slot in part {
+                        moves.extend(search.best_move(slot, self.least));
+                    }
+                },
+            );
+            moves
         });
         let mut moves = found.concat();
         moves.sort_unstable_by(|a, b| b.gain.total_cmp(&a.gain).then(a.moved.cmp(&b.moved)));

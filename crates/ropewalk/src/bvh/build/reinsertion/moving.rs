@@ -25,6 +25,7 @@ impl Mover {
     /// Makes a move and tells what it gains; refuses one that gains too little on the tree as it is, or would make
     /// a leaf too deep. The slots of the move may have got other nodes since the search: then it is another move,
     /// to be judged like any.
+    #[inline(always)]
     pub(super) fn apply(&mut self, tree: &mut Tree, Move { moved, target, .. }: Move) -> Option<f64> {
         climb(tree, moved, &mut self.from);
         climb(tree, target, &mut self.to);
@@ -57,6 +58,7 @@ impl Mover {
 
     /// The box of the new parent, and what the move gains; notes the boxes that change. In f64 over areas in f32, as
     /// the report adds them up.
+    #[inline(always)]
     fn weigh(&mut self, tree: &Tree, moved: u32, target: u32) -> (Extent, f64) {
         let bounds = tree.extent(moved);
         let area = |extent: &Extent| f64::from(extent.half_area());
@@ -84,6 +86,7 @@ impl Mover {
 }
 
 /// The nodes above a node, upwards.
+#[inline(always)]
 fn climb(tree: &Tree, mut slot: u32, path: &mut Vec<u32>) {
     path.clear();
     while slot != ROOT {

@@ -25,6 +25,7 @@ pub(super) struct Move {
 
 /// The most that a move of this subtree can gain: what taking it out gains, less its own area, which its new parent
 /// has at least.
+#[inline(always)]
 pub(super) fn promise(tree: &Tree, moved: u32) -> f32 {
     let mut node = tree.parent(moved);
     let mut released = tree.area(node) - tree.area(moved);
@@ -94,6 +95,7 @@ impl<'a> Search<'a> {
     }
 
     /// The best place of a subtree, if there is one that gains more than `least`.
+    #[inline(always)]
     pub(super) fn best_move(&mut self, moved: u32, least: f32) -> Option<Move> {
         let tree = self.tree;
         let bounds = tree.extent(moved);
@@ -122,6 +124,7 @@ impl<'a> Search<'a> {
     }
 
     /// Looks for a place in the subtree at `top`, above which nothing grows.
+    #[inline(always)]
     fn descend(&mut self, top: u32, quest: &mut Quest) {
         let tree = self.tree;
         if !quest.may_gain(0.0) {

@@ -5,8 +5,7 @@
 //! of a binning.
 //!
 //! **Why the unsafe code is sound**: an instruction must only run on a processor that has it, and nothing else is asked.
-//! Every function here that uses one takes an [`Avx2`], and the one way to get that is [`Avx2::detect`], which asks the
-//! processor first.
+//! Every function here that uses one takes an [`Avx2`](crate::processor::Avx2), which only a processor that was asked gives.
 #![allow(unsafe_code, reason = "instructions of a processor that was asked for them")]
 
 use glam::Vec4;
@@ -78,38 +77,14 @@ impl Lanes for Portable {
 }
 
 #[cfg(target_arch = "x86_64")]
-pub(super) use x86::Avx2;
-
-#[cfg(target_arch = "x86_64")]
 mod x86 {
     use super::Lanes;
+    use crate::processor::Avx2;
     use glam::Vec4;
     use std::arch::x86_64::{
         __m256, _mm256_add_ps, _mm256_castps256_ps128, _mm256_extractf128_ps, _mm256_loadu_ps, _mm256_min_ps,
         _mm256_permute2f128_ps, _mm256_set1_ps, _mm256_storeu_ps, _mm256_sub_ps,
     };
-
-    /// A processor that was asked for AVX2.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub(crate) struct Avx2(());
-
-    impl Avx2 {
-        pub(crate) fn detect() -> Option<Self> {
-            is_x86_feature_detected!("avx2").then_some(Self(()))
-        }
-
-        /// Runs something that is compiled for these instructions, if it is inlined.
-        #[inline(always)]
-        pub(crate) fn run<R>(self, work: impl FnOnce() -> R) -> R {
-            #[target_feature(enable = "avx2")]
-            #[inline]
-            fn compiled<R>(work: impl FnOnce() -> R) -> R {
-                work()
-            }
-            // SAFETY: the processor was asked for AVX2.
-            unsafe { compiled(work) }
-        }
-    }
 
     // SAFETY of all below: the processor was asked for AVX2, which includes AVX. Loads and stores are of eight lanes that are
     // there, and need no alignment.

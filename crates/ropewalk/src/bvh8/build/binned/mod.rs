@@ -14,8 +14,8 @@
 
 mod bins;
 mod grow;
+mod kernels;
 mod lanes;
-mod level;
 mod options;
 mod partition;
 mod subtree;
@@ -28,11 +28,11 @@ use super::draft::{Collapse, Costs, Outcome};
 use super::reference::{self, Part, Reference, halve};
 use crate::bvh8::tree::{Child, Tree, TreeNode};
 use crate::parallel::{join, map_chunks};
+use crate::processor::Processor;
 use crate::progress::Progress;
 use crate::{BuildError, FlatTriangle, Monitor, NoMonitor};
 use bins::{Binning, Bins};
 use grow::{Grower, Room, fits};
-use level::Level;
 use std::sync::Mutex;
 use subtree::{Finished, Subtree};
 
@@ -57,20 +57,20 @@ pub(crate) fn build_binned(
     options: &BinnedOptions,
     monitor: &dyn Monitor,
 ) -> Result<Tree, BuildError> {
-    build_at(triangles, options, monitor, Level::detect())
+    build_at(triangles, options, monitor, Processor::detect())
 }
 
 fn build_at(
     triangles: &[FlatTriangle],
     options: &BinnedOptions,
     monitor: &dyn Monitor,
-    level: Level,
+    processor: Processor,
 ) -> Result<Tree, BuildError> {
     options.check()?;
     if triangles.len() > MOST_TRIANGLES {
         return Err(BuildError::TooMany { what: "triangles", count: triangles.len(), limit: MOST_TRIANGLES });
     }
-    build_over(reference::of_triangles(triangles), options, monitor, level)
+    build_over(reference::of_triangles(triangles), options, monitor, processor)
 }
 
 /// Builds the tree over boxes, of which there are as many as an instance's index can count.
@@ -79,20 +79,20 @@ fn build_at(
 /// When an option is out of range.
 pub(crate) fn build_boxes(boxes: Vec<Reference>, options: &BinnedOptions) -> Result<Tree, BuildError> {
     options.check()?;
-    build_over(boxes, options, &NoMonitor, Level::detect())
+    build_over(boxes, options, &NoMonitor, Processor::detect())
 }
 
 fn build_over(
     mut references: Vec<Reference>,
     options: &BinnedOptions,
     monitor: &dyn Monitor,
-    level: Level,
+    processor: Processor,
 ) -> Result<Tree, BuildError> {
     let mut order = vec![0; references.len()];
     let builder = Builder {
         costs: options.costs(),
         grower: Grower::new(options),
-        level,
+        processor,
         progress: Progress::new(monitor, references.len()),
         rooms: Mutex::new(Vec::new()),
     };
@@ -108,7 +108,7 @@ fn build_over(
 struct Builder<'a> {
     costs: Costs,
     grower: Grower,
-    level: Level,
+    processor: Processor,
     progress: Progress<'a>,
     /// Of threads that are between two ranges.
     rooms: Mutex<Vec<Room>>,
@@ -155,15 +155,15 @@ impl Builder<'_> {
             let parts =
                 map_chunks(references, PARALLEL_BINNING / 4, |_, chunk| self.bins_of(chunk, &binning));
             let mut all = Bins::EMPTY;
-            parts.iter().for_each(|bins| self.level.merge(&mut all, bins, &binning));
+            parts.iter().for_each(|bins| self.processor.merge(&mut all, bins, &binning));
             all
         } else {
             self.bins_of(references, &binning)
         };
-        match self.level.best_split(&bins, &binning) {
+        match self.processor.best_split(&bins, &binning) {
             Some(split) if split.cost > 0.0 && fits(depth, [split.low, references.len() - split.low]) => {
                 let side = binning.side(split.axis, split.bin);
-                let (low, [near, far]) = self.level.partition(references, side);
+                let (low, [near, far]) = self.processor.partition(references, side);
                 let [bounds, far_bounds] = split.bounds;
                 (low, [Part { bounds, centers: near }, Part { bounds: far_bounds, centers: far }])
             }
@@ -173,7 +173,7 @@ impl Builder<'_> {
 
     fn bins_of(&self, references: &[Reference], binning: &Binning) -> Bins {
         let mut sets = [Bins::EMPTY, Bins::EMPTY];
-        self.level.fill(&mut sets, binning, references);
+        self.processor.fill(&mut sets, binning, references);
         let [bins, _] = sets;
         bins
     }
@@ -183,13 +183,16 @@ impl Builder<'_> {
             return Finished::nothing();
         }
         let mut room = self.take_room();
-        self.level.grow(&self.grower, range.references, part, depth, &mut room);
+        self.processor.grow(&self.grower, range.references, part, depth, &mut room);
         for (place, reference) in range.order.iter_mut().zip(&*range.references) {
             *place = reference.index();
         }
         let Room { drafts, crown, .. } = &mut room;
         let mut collapse = Collapse { drafts, costs: self.costs };
-        collapse.weigh();
+        self.processor.run(
+            #[inline(always)]
+            || collapse.weigh(),
+        );
         // About one node comes to so many references.
         let mut nodes = Vec::with_capacity(range.references.len() / 12 + 1);
         crown.clear();

@@ -170,14 +170,14 @@ fn a_path_never_exceeds_the_cap() {
 }
 
 #[test]
-fn every_level_of_the_processor_makes_the_same_tree() {
+fn what_the_processor_can_do_makes_the_same_tree() {
     for (triangles, options) in
         [(flat(soup(30_000, 0.05, 7)), BinnedOptions::BALANCED), (flat(surface(100)), BinnedOptions::FAST)]
     {
         let best = build(&triangles, &options);
-        for level in Level::all() {
-            let other = build_at(&triangles, &options, &NoMonitor, level).unwrap();
-            assert_eq!(bits(&best), bits(&other), "{level:?}");
+        for processor in Processor::all() {
+            let other = build_at(&triangles, &options, &NoMonitor, processor).unwrap();
+            assert_eq!(bits(&best), bits(&other), "{processor:?}");
         }
     }
 }

@@ -16,6 +16,7 @@ use crate::bvh::build::reference::{self, Extent, Reference};
 use crate::bvh::build::subtree::Subtree;
 use crate::bvh::{MAX_DEPTH, Node};
 use crate::parallel::{fill_chunks, join, map_chunks};
+use crate::processor::Processor;
 use crate::progress::Progress;
 use crate::{BuildError, FlatTriangle, Monitor};
 
@@ -34,14 +35,16 @@ pub(super) fn build(
     triangles: &[FlatTriangle],
     max_leaf: u32,
     monitor: &dyn Monitor,
+    processor: Processor,
 ) -> Result<(Vec<Node>, Vec<u32>), BuildError> {
     if triangles.is_empty() {
         return Ok((Vec::new(), Vec::new()));
     }
     let mut references = reference::of_triangles(triangles);
-    let bounds = measure(&references, Extent::of, Extent::union);
-    let builder =
-        Builder { leaves: Leaves::of_at_most(max_leaf), progress: Progress::new(monitor, triangles.len()) };
+    let bounds = map_chunks(&references, CHUNK, |_, chunk| Extent::of(chunk));
+    let bounds = bounds.into_iter().fold(Extent::EMPTY, Extent::union);
+    let leaves = Leaves::of_at_most(max_leaf);
+    let builder = Builder { leaves, progress: Progress::new(monitor, triangles.len()), processor };
     let tree = builder.subtree(&mut references, 0, Task { bounds, depth: 0 }, Scratch::default());
     builder.progress.finish()?;
     let nodes = tree.into_nodes();
@@ -54,33 +57,20 @@ pub(super) fn build(
     Ok((nodes, order))
 }
 
-/// Something of all references, by several threads where there are many.
-fn measure<R: Send>(
-    references: &[Reference],
-    of: impl Fn(&[Reference]) -> R + Sync,
-    merge: impl Fn(R, R) -> R,
-) -> R {
-    if references.len() <= CHUNK {
-        return of(references);
-    }
-    let mut parts = map_chunks(references, CHUNK, |_, chunk| of(chunk)).into_iter();
-    let first = parts.next().unwrap_or_else(|| of(&[]));
-    parts.fold(first, merge)
-}
-
 /// The box around the doubled centres.
+#[inline(always)]
 fn centers(references: &[Reference]) -> Extent {
-    let of = |references: &[Reference]| {
-        let mut extent = Extent::EMPTY;
-        references.iter().for_each(|reference| extent.add_point(reference.doubled_center()));
-        extent
-    };
-    measure(references, of, Extent::union)
+    let mut extent = Extent::EMPTY;
+    for reference in references {
+        extent.add_point(reference.doubled_center());
+    }
+    extent
 }
 
 struct Builder<'a> {
     leaves: Leaves,
     progress: Progress<'a>,
+    processor: Processor,
 }
 
 /// What a node is told from above.
@@ -106,6 +96,21 @@ struct Scratch {
 }
 
 impl Builder<'_> {
+    /// The box around the doubled centres, by several threads where there are many.
+    #[inline(always)]
+    fn centers(&self, references: &[Reference]) -> Extent {
+        if references.len() <= CHUNK {
+            return centers(references);
+        }
+        let of_chunk = |_, chunk: &[Reference]| {
+            self.processor.run(
+                #[inline(always)]
+                || centers(chunk),
+            )
+        };
+        map_chunks(references, CHUNK, of_chunk).into_iter().fold(Extent::EMPTY, Extent::union)
+    }
+
     /// `first` is the index of the first reference among all.
     fn subtree(
         &self,
@@ -156,13 +161,21 @@ impl Builder<'_> {
 
     /// Puts the references of a node in two halves, or tells that they are a leaf.
     fn split(&self, references: &mut [Reference], task: &Task, scratch: &mut Scratch) -> Option<Halves> {
+        self.processor.run(
+            #[inline(always)]
+            || self.halves(references, task, scratch),
+        )
+    }
+
+    #[inline(always)]
+    fn halves(&self, references: &mut [Reference], task: &Task, scratch: &mut Scratch) -> Option<Halves> {
         let is_leaf = self.leaves.is_one(references.len());
         if is_leaf && !is_loose(references, &task.bounds) {
             return None;
         }
         let levels = MAX_DEPTH.saturating_sub(task.depth);
-        let grid = object::Grid::new(&centers(references), references.len());
-        let object = grid.best_split(references, self.leaves, levels, &mut scratch.bins);
+        let grid = object::Grid::new(&self.centers(references), references.len());
+        let object = grid.best_split(self.processor, references, self.leaves, levels, &mut scratch.bins);
         if is_leaf && (levels == 0 || object.is_none_or(|split| split.cost >= task.bounds.half_area())) {
             return None;
         }
@@ -170,7 +183,7 @@ impl Builder<'_> {
             let is_low = |reference: &Reference| grid.is_low(reference, &split);
             (partition(references, &mut scratch.high, is_low), split.bounds)
         } else {
-            let part = Part { bounds: task.bounds, centers: centers(references) };
+            let part = Part { bounds: task.bounds, centers: self.centers(references) };
             let (middle, parts) = halve(references, &part);
             (middle, parts.map(|part| part.bounds))
         };
@@ -179,12 +192,14 @@ impl Builder<'_> {
 }
 
 /// Whether two or more references are small and far apart for their common box.
+#[inline(always)]
 fn is_loose(references: &[Reference], bounds: &Extent) -> bool {
     let areas = references.iter().map(|reference| reference.corners().half_area());
     references.len() > 1 && areas.sum::<f32>() < LOOSE * bounds.half_area()
 }
 
 /// Puts the lower references first, and tells how many these are. `high` grows as it must.
+#[inline(always)]
 fn partition(
     references: &mut [Reference],
     high: &mut Vec<Reference>,

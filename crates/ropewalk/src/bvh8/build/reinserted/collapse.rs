@@ -12,6 +12,7 @@ use crate::bvh::Node;
 use crate::bvh8::tree::{Child, Tree, TreeNode, WIDTH};
 use crate::memory::with_capacity;
 use crate::parallel::map_chunks;
+use crate::processor::Processor;
 use std::ops::Range;
 
 /// A subtree of fewer references is collapsed by one thread: half a millisecond.
@@ -92,7 +93,7 @@ struct Inner {
 
 /// Collapses nodes in depth-first order.
 pub(in crate::bvh8) fn collapse(nodes: &[Node], max_leaf: u32, bottom: &impl Bottom) -> Tree {
-    let costs = weigh(nodes, max_leaf, bottom);
+    let costs = weigh(nodes, max_leaf, bottom, Processor::detect());
     let collapse = Collapse { nodes, costs: &costs, max_leaf, bottom };
     let mut tree = Tree::default();
     let Some(all) = costs.first() else { return tree };

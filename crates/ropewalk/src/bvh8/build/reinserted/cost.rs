@@ -16,6 +16,7 @@ use super::collapse::Bottom;
 use crate::bvh::Node;
 use crate::bvh8::tree::WIDTH;
 use crate::parallel::join;
+use crate::processor::Processor;
 
 /// The places that a subtree may get beside another one.
 pub(in crate::bvh8) const ROWS: usize = WIDTH - 1;
@@ -32,40 +33,55 @@ pub(in crate::bvh8) struct Cost {
 }
 
 /// The costs of all nodes, which lie in depth-first order.
-pub(super) fn weigh(nodes: &[Node], max_leaf: u32, bottom: &impl Bottom) -> Vec<Cost> {
+pub(super) fn weigh(nodes: &[Node], max_leaf: u32, bottom: &impl Bottom, processor: Processor) -> Vec<Cost> {
     let mut costs = vec![Cost::default(); nodes.len()];
     if !nodes.is_empty() {
-        weigh_below(nodes, 0, max_leaf, bottom, &mut costs);
+        let weighing = Weighing { nodes, max_leaf, bottom, processor };
+        weighing.below(0, &mut costs);
     }
     costs
 }
 
-/// Fills in the costs of the subtree at `root`, which is as long as `costs`.
-fn weigh_below(nodes: &[Node], root: usize, max_leaf: u32, bottom: &impl Bottom, costs: &mut [Cost]) {
-    if costs.len() <= SEQUENTIAL {
+struct Weighing<'a, B> {
+    nodes: &'a [Node],
+    max_leaf: u32,
+    bottom: &'a B,
+    processor: Processor,
+}
+
+impl<B: Bottom> Weighing<'_, B> {
+    /// Fills in the costs of the subtree at `root`, which is as long as `costs`.
+    fn below(&self, root: usize, costs: &mut [Cost]) {
+        if costs.len() <= SEQUENTIAL {
+            return self.processor.run(
+                #[inline(always)]
+                || self.sequential(root, costs),
+            );
+        }
+        let second = self.nodes[root].link as usize;
+        let [this, below @ ..] = costs else { return };
+        let (low, high) = below.split_at_mut(second - root - 1);
+        join(|| self.below(root + 1, low), || self.below(second, high));
+        if let (Some(first), Some(second)) = (low.first(), high.first()) {
+            *this = of_inner(&self.nodes[root], first, second, self.max_leaf);
+        }
+    }
+
+    #[inline(always)]
+    fn sequential(&self, root: usize, costs: &mut [Cost]) {
         // Children come after their parents.
         for place in (0..costs.len()).rev() {
-            let node = &nodes[root + place];
+            let node = &self.nodes[root + place];
             costs[place] = if node.is_leaf() {
-                bottom.weigh(node)
+                self.bottom.weigh(node)
             } else {
-                of_inner(node, &costs[place + 1], &costs[node.link as usize - root], max_leaf)
+                of_inner(node, &costs[place + 1], &costs[node.link as usize - root], self.max_leaf)
             };
         }
-        return;
-    }
-    let second = nodes[root].link as usize;
-    let [this, below @ ..] = costs else { return };
-    let (low, high) = below.split_at_mut(second - root - 1);
-    join(
-        || weigh_below(nodes, root + 1, max_leaf, bottom, low),
-        || weigh_below(nodes, second, max_leaf, bottom, high),
-    );
-    if let (Some(first), Some(second)) = (low.first(), high.first()) {
-        *this = of_inner(&nodes[root], first, second, max_leaf);
     }
 }
 
+#[inline(always)]
 fn of_inner(node: &Node, first: &Cost, second: &Cost, max_leaf: u32) -> Cost {
     let spreads = spreads(first, second);
     let references = first.references.saturating_add(second.references);

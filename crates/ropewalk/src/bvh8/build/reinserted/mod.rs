@@ -36,6 +36,7 @@ pub(in crate::bvh8) mod tests;
 use crate::bvh::build::reinsertion;
 use crate::bvh::{BuildOptions, MAX_DEPTH};
 use crate::bvh8::tree::{LARGEST_LEAF, Tree};
+use crate::processor::Processor;
 use crate::{BuildError, FlatTriangle, Monitor};
 use collapse::Plain;
 
@@ -80,15 +81,24 @@ pub(crate) fn build_reinserted(
     options: &ReinsertedOptions,
     monitor: &dyn Monitor,
 ) -> Result<Tree, BuildError> {
+    build_at(triangles, options, monitor, Processor::detect())
+}
+
+fn build_at(
+    triangles: &[FlatTriangle],
+    options: &ReinsertedOptions,
+    monitor: &dyn Monitor,
+    processor: Processor,
+) -> Result<Tree, BuildError> {
     options.check()?;
-    let (mut nodes, mut order) = builder::build(triangles, options.smallest_split, monitor)?;
+    let (mut nodes, mut order) = builder::build(triangles, options.smallest_split, monitor, processor)?;
     if options.reinsertion > 0 {
         let moves = BuildOptions {
             max_depth: MAX_DEPTH,
             reinsertion: options.reinsertion,
             ..BuildOptions::default()
         };
-        nodes = reinsertion::optimise(&nodes, &mut order, &moves, monitor)?;
+        nodes = reinsertion::optimise_at(&nodes, &mut order, &moves, monitor, processor)?;
     }
     Ok(collapse::collapse(&nodes, options.max_leaf, &Plain { order: &order }))
 }

@@ -4,6 +4,7 @@
 use super::leaves::Leaves;
 use crate::bvh::build::reference::{Extent, Reference};
 use crate::parallel::map_chunks;
+use crate::processor::Processor;
 use glam::Vec4;
 
 /// The most bins an axis.
@@ -68,6 +69,7 @@ pub(super) struct Grid {
 
 impl Grid {
     /// For references whose doubled centres lie in `centers`.
+    #[inline(always)]
     pub(super) fn new(centers: &Extent, count: usize) -> Self {
         // Few references do not need many planes; most nodes are small, and the sweep over bins dominates them.
         let bins = MAX_BINS.min(4 + count / 4);
@@ -93,6 +95,7 @@ impl Grid {
         below.bitmask() >> split.axis & 1 != 0
     }
 
+    #[inline(always)]
     fn fill(&self, references: &[Reference], bins: &mut Bins) {
         bins.0[..self.bins].fill([Bin::EMPTY; 3]);
         for reference in references {
@@ -106,8 +109,10 @@ impl Grid {
     }
 
     /// The cheapest plane at which both sides fit under the depth cap.
+    #[inline(always)]
     pub(super) fn best_split(
         &self,
+        processor: Processor,
         references: &[Reference],
         leaves: Leaves,
         levels: u32,
@@ -116,7 +121,10 @@ impl Grid {
         if references.len() > PARALLEL {
             let parts = map_chunks(references, PARALLEL / 4, |_, chunk| {
                 let mut bins = Bins::default();
-                self.fill(chunk, &mut bins);
+                processor.run(
+                    #[inline(always)]
+                    || self.fill(chunk, &mut bins),
+                );
                 bins
             });
             *bins = parts.into_iter().reduce(Bins::merge)?;
@@ -127,6 +135,7 @@ impl Grid {
     }
 
     /// Weighs every plane.
+    #[inline(always)]
     fn sweep(&self, bins: &[[Bin; 3]], total: u32, leaves: Leaves, levels: u32) -> Option<ObjectSplit> {
         let mut upper_costs = [[0.0; 3]; MAX_BINS];
         let mut upper = [Bin::EMPTY; 3];

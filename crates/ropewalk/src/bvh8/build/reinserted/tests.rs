@@ -1,6 +1,6 @@
-use super::{ReinsertedOptions, build_reinserted};
-use crate::bvh8::build::check::{largest_leaf, validate, visits};
-use crate::{BuildError, BuildOptions, Builder, FlatTriangle, Mesh, NoMonitor, Scene};
+use super::*;
+use crate::bvh8::build::check::{bits, largest_leaf, validate, visits};
+use crate::{Builder, Mesh, NoMonitor, Scene};
 use glam::Vec3;
 use std::ops::ControlFlow;
 
@@ -112,7 +112,7 @@ fn it_costs_no_more_than_the_slow_builder() {
             ..BuildOptions::default()
         };
         let (nodes, order) = crate::bvh::tree_over(&triangles, &options, &NoMonitor).unwrap();
-        let theirs = super::collapse::collapse(&nodes, 4, &super::Plain { order: &order });
+        let theirs = collapse::collapse(&nodes, 4, &Plain { order: &order });
         let [ours, theirs] = [ours, theirs].map(|tree| visits(&tree).iter().sum::<f64>());
         assert!(ours <= theirs * 1.03, "{seed} {size}: {ours} {theirs}");
     }
@@ -138,4 +138,21 @@ fn a_monitor_can_cancel() {
     let stop = |_: usize, _: usize| ControlFlow::Break(());
     let error = build_reinserted(&triangles, &ReinsertedOptions::default(), &stop).unwrap_err();
     assert_eq!(error, BuildError::Cancelled);
+}
+
+#[test]
+fn what_the_processor_can_do_makes_the_same_tree() {
+    let triangles = soup(40_000, 11, 0.1);
+    let options = ReinsertedOptions::default();
+    let best = build_reinserted(&triangles, &options, &NoMonitor).unwrap();
+    let (nodes, order) = builder::build(&triangles, 4, &NoMonitor, Processor::detect()).unwrap();
+    let least = |processor| {
+        let costs = cost::weigh(&nodes, 8, &Plain { order: &order }, processor);
+        costs.iter().flat_map(|cost| cost.least.map(f32::to_bits)).collect::<Vec<_>>()
+    };
+    for processor in Processor::all() {
+        let other = build_at(&triangles, &options, &NoMonitor, processor).unwrap();
+        assert_eq!(bits(&best), bits(&other), "{processor:?}");
+        assert_eq!(least(Processor::Any), least(processor), "{processor:?}");
+    }
 }

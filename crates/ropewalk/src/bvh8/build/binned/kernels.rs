@@ -2,54 +2,38 @@
 
 use super::bins::{Binning, Bins, Side, Split};
 use super::grow::{Grower, Room};
-#[cfg(target_arch = "x86_64")]
-use super::lanes::Avx2;
 use super::lanes::Portable;
 use super::partition::partition;
 use crate::bvh8::build::extent::Extent;
 use crate::bvh8::build::reference::{Part, Reference};
+use crate::processor::Processor;
 
-/// What the processor can do.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Level {
-    Portable,
-    #[cfg(target_arch = "x86_64")]
-    Avx2(Avx2),
-}
-
-/// Runs `$body` with `$lanes` being those of the level.
+/// Runs `$body` with `$lanes` being those of the processor.
 macro_rules! at {
-    ($level:expr, $lanes:ident => $body:expr) => {
-        match $level {
-            Level::Portable => {
+    ($processor:expr, $lanes:ident => $body:expr) => {
+        match $processor {
+            Processor::Any => {
                 let $lanes = Portable;
                 $body
             }
             #[cfg(target_arch = "x86_64")]
-            Level::Avx2($lanes) => $lanes.run(
+            Processor::Avx2($lanes) => $lanes.run(
                 #[inline(always)]
                 || $body,
+            ),
+            #[cfg(target_arch = "x86_64")]
+            Processor::Avx512(avx512) => avx512.run(
+                #[inline(always)]
+                || {
+                    let $lanes = avx512.avx2();
+                    $body
+                },
             ),
         }
     };
 }
 
-impl Level {
-    /// All that this processor can do, the best last.
-    #[cfg(test)]
-    pub(super) fn all() -> Vec<Self> {
-        vec![Self::Portable, Self::detect()]
-    }
-
-    /// The best that this processor can do.
-    pub(super) fn detect() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        if let Some(avx2) = Avx2::detect() {
-            return Self::Avx2(avx2);
-        }
-        Self::Portable
-    }
-
+impl Processor {
     /// See [`Bins::fill`].
     pub(super) fn fill(self, sets: &mut [Bins; 2], binning: &Binning, references: &[Reference]) {
         at!(self, lanes => Bins::fill(lanes, sets, binning, references));
