@@ -38,7 +38,7 @@ fn main() {
         .try_compile("ropewalk_tinybvh");
     match compiled {
         Ok(()) => println!("cargo::rustc-cfg=has_tinybvh"),
-        Err(error) => absent(&error.to_string().lines().next().unwrap_or_default().to_owned()),
+        Err(error) => absent(error.to_string().lines().next().unwrap_or_default()),
     }
 }
 

@@ -70,7 +70,7 @@ impl Instruments for SystemInstruments {
         COUNTS.store(false, Ordering::SeqCst);
         let bytes = |counter: &AtomicI64| usize::try_from(counter.load(Ordering::SeqCst)).unwrap_or(0);
         // Nothing at all was counted: the allocator is another one.
-        (bytes(&PEAK) > 0).then(|| Counted { kept: bytes(&CURRENT), peak: bytes(&PEAK) })
+        (bytes(&PEAK) > 0).then_some(Counted { kept: bytes(&CURRENT), peak: bytes(&PEAK) })
     }
 }
 
@@ -78,7 +78,7 @@ fn clock(id: libc::clockid_t) -> Option<f64> {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
     // SAFETY: the function writes one `timespec` where it is told.
     let failed = unsafe { libc::clock_gettime(id, &mut time) };
-    (failed == 0).then(|| time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9)
+    (failed == 0).then_some(time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9)
 }
 
 #[cfg(test)]

@@ -25,28 +25,29 @@ pub(super) unsafe fn closest(
     let mut context = Context3::new(mode.is_packet());
     // SAFETY: of all calls: the scene is alive by the caller's word, and the memory is laid out as the headers say.
     match (queries, mode) {
-        (Queries::Four(q), Mode::Packet8) => packets(&set.packets8, range, hits, |valid, packet| unsafe {
-            (q.intersect8)(valid, scene, packet, &mut arguments);
+        (Queries::Four(q), Mode::Packet8) => packets(&set.packets8, range, hits, |valid, packet| {
+            // SAFETY: as above.
+            unsafe { (q.intersect8)(valid, scene, packet, &mut arguments) };
         }),
-        // SAFETY: as above.
-        (Queries::Four(q), Mode::Packet16) => packets(&set.packets16, range, hits, |valid, packet| unsafe {
-            (q.intersect16)(valid, scene, packet, &mut arguments);
+        (Queries::Four(q), Mode::Packet16) => packets(&set.packets16, range, hits, |valid, packet| {
+            // SAFETY: as above.
+            unsafe { (q.intersect16)(valid, scene, packet, &mut arguments) };
         }),
-        // SAFETY: as above.
-        (Queries::Four(q), _) => singles(&set.rays, range, hits, |ray| unsafe {
-            (q.intersect1)(scene, ray, null_mut());
+        (Queries::Four(q), _) => singles(&set.rays, range, hits, |ray| {
+            // SAFETY: as above.
+            unsafe { (q.intersect1)(scene, ray, null_mut()) };
         }),
-        // SAFETY: as above.
-        (Queries::Three(q), Mode::Packet8) => packets(&set.packets8, range, hits, |valid, packet| unsafe {
-            (q.intersect8)(valid, scene, &mut context, packet);
+        (Queries::Three(q), Mode::Packet8) => packets(&set.packets8, range, hits, |valid, packet| {
+            // SAFETY: as above.
+            unsafe { (q.intersect8)(valid, scene, &mut context, packet) };
         }),
-        // SAFETY: as above.
-        (Queries::Three(q), Mode::Packet16) => packets(&set.packets16, range, hits, |valid, packet| unsafe {
-            (q.intersect16)(valid, scene, &mut context, packet);
+        (Queries::Three(q), Mode::Packet16) => packets(&set.packets16, range, hits, |valid, packet| {
+            // SAFETY: as above.
+            unsafe { (q.intersect16)(valid, scene, &mut context, packet) };
         }),
-        // SAFETY: as above.
-        (Queries::Three(q), _) => singles(&set.rays, range, hits, |ray| unsafe {
-            (q.intersect1)(scene, &mut context, ray);
+        (Queries::Three(q), _) => singles(&set.rays, range, hits, |ray| {
+            // SAFETY: as above.
+            unsafe { (q.intersect1)(scene, &mut context, ray) };
         }),
     }
 }
@@ -68,35 +69,36 @@ pub(super) unsafe fn any(
     // SAFETY: of all calls: as in `closest`.
     match (queries, mode) {
         (Queries::Four(q), Mode::Packet8) => {
-            any_packets(&set.packets8, range, hits, |valid, packet| unsafe {
-                (q.occluded8)(valid, scene, packet, &mut arguments);
-            })
+            any_packets(&set.packets8, range, hits, |valid, packet| {
+                // SAFETY: as above.
+                unsafe { (q.occluded8)(valid, scene, packet, &mut arguments) };
+            });
         }
-        // SAFETY: as above.
         (Queries::Four(q), Mode::Packet16) => {
-            any_packets(&set.packets16, range, hits, |valid, packet| unsafe {
-                (q.occluded16)(valid, scene, packet, &mut arguments);
-            })
+            any_packets(&set.packets16, range, hits, |valid, packet| {
+                // SAFETY: as above.
+                unsafe { (q.occluded16)(valid, scene, packet, &mut arguments) };
+            });
         }
-        // SAFETY: as above.
-        (Queries::Four(q), _) => any_singles(&set.rays, range, hits, |ray| unsafe {
-            (q.occluded1)(scene, ray, null_mut());
+        (Queries::Four(q), _) => any_singles(&set.rays, range, hits, |ray| {
+            // SAFETY: as above.
+            unsafe { (q.occluded1)(scene, ray, null_mut()) };
         }),
-        // SAFETY: as above.
         (Queries::Three(q), Mode::Packet8) => {
-            any_packets(&set.packets8, range, hits, |valid, packet| unsafe {
-                (q.occluded8)(valid, scene, &mut context, packet);
-            })
+            any_packets(&set.packets8, range, hits, |valid, packet| {
+                // SAFETY: as above.
+                unsafe { (q.occluded8)(valid, scene, &mut context, packet) };
+            });
         }
-        // SAFETY: as above.
         (Queries::Three(q), Mode::Packet16) => {
-            any_packets(&set.packets16, range, hits, |valid, packet| unsafe {
-                (q.occluded16)(valid, scene, &mut context, packet);
-            })
+            any_packets(&set.packets16, range, hits, |valid, packet| {
+                // SAFETY: as above.
+                unsafe { (q.occluded16)(valid, scene, &mut context, packet) };
+            });
         }
-        // SAFETY: as above.
-        (Queries::Three(q), _) => any_singles(&set.rays, range, hits, |ray| unsafe {
-            (q.occluded1)(scene, &mut context, ray);
+        (Queries::Three(q), _) => any_singles(&set.rays, range, hits, |ray| {
+            // SAFETY: as above.
+            unsafe { (q.occluded1)(scene, &mut context, ray) };
         }),
     }
 }

@@ -5,6 +5,7 @@ use super::{Level, Task};
 use crate::bvh8::node::{Fan, Word};
 use crate::bvh8::tree::WIDTH;
 use crate::bvh8::walk::Stack;
+use crate::processor::Avx2 as Processor;
 use std::arch::x86_64::*;
 
 /// Proof that the processor has the instructions.
@@ -51,13 +52,8 @@ impl Level for Avx2 {
 
     #[inline(always)]
     fn detect() -> Option<Self> {
-        let there = is_x86_feature_detected!("avx2")
-            && is_x86_feature_detected!("fma")
-            && is_x86_feature_detected!("bmi1")
-            && is_x86_feature_detected!("bmi2")
-            && is_x86_feature_detected!("lzcnt")
-            && is_x86_feature_detected!("popcnt");
-        there.then_some(Self(()))
+        // Which was asked for all that `run` below is compiled for.
+        Processor::detect().map(|_| Self(()))
     }
 
     #[inline(always)]

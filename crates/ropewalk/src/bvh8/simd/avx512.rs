@@ -3,12 +3,12 @@
 //! Compression goes to a register and is then stored whole: the form that stores while it compresses is microcoded on Zen 4
 //! (142 cycles a store). What is stored beyond the top of the stack is overwritten by the next push.
 
-use super::avx2::Avx2;
 use super::vectors::{few_triples, pushed, triples, vector_methods};
 use super::{Level, Task};
 use crate::bvh8::node::{Fan, Word};
 use crate::bvh8::tree::WIDTH;
 use crate::bvh8::walk::Stack;
+use crate::processor::Avx512 as Processor;
 use std::arch::x86_64::*;
 
 /// Proof that the processor has the instructions.
@@ -26,12 +26,8 @@ impl Level for Avx512 {
 
     #[inline(always)]
     fn detect() -> Option<Self> {
-        let there = is_x86_feature_detected!("avx512f")
-            && is_x86_feature_detected!("avx512vl")
-            && is_x86_feature_detected!("avx512bw")
-            && is_x86_feature_detected!("avx512dq")
-            && Avx2::detect().is_some();
-        there.then_some(Self(()))
+        // Which was asked for all that `run` below is compiled for.
+        Processor::detect().map(|_| Self(()))
     }
 
     #[inline(always)]
